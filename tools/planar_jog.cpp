@@ -117,12 +117,17 @@ class KeyStop {
   void watch(RawTerminal& terminal, const std::string& key) {
     terminal_ = &terminal;
     key_ = key;
+    asked_ = false;
   }
-  bool asked() { return terminal_ != nullptr && terminal_->other_key_than(key_); }
+  bool asked() {
+    asked_ = asked_ || (terminal_ != nullptr && terminal_->other_key_than(key_));
+    return asked_;
+  }
 
  private:
   RawTerminal* terminal_{nullptr};
   std::string key_;
+  bool asked_{false};
 };
 
 /// Follows the keys of a terminal.

@@ -43,6 +43,7 @@ class Console:
             )
         self._origin = f"{parts.scheme}://{parts.netloc}"
         self._tls = None if certificate is None else ssl.create_default_context(cafile=certificate)
+        self._stops: int | None = None
         self._headers = {"Authorization": f"Bearer {tokens[0]}", "X-Planar-Client": secrets.token_hex(16)}
 
     def cell(self) -> dict[str, Any]:
@@ -167,7 +168,7 @@ class Console:
 
     def stop(self) -> None:
         """Slows the arm to rest and ends what runs, whoever began it."""
-        self._json("/api/stop", {})
+        self._stops = self._json("/api/stop", {})["stops"]
 
     def take_over(self) -> None:
         """Makes this client the one that moves the cell; what moves is stopped first."""
@@ -204,7 +205,11 @@ class Console:
 
     def _open(self, path: str, body: dict[str, Any] | None = None, patience_s: float | None = _PATIENCE_S) -> Any:
         data = None if body is None else json.dumps(body).encode()
-        headers = self._headers | ({} if body is None else {"Content-Type": "application/json"})
+        headers = dict(self._headers)
+        if body is not None:
+            headers["Content-Type"] = "application/json"
+            if self._stops is not None:  # what is ordered next was not on its way before the own stop
+                headers["X-Planar-Stops"], self._stops = str(self._stops), None
         request = urllib.request.Request(self._origin + path, data, headers)
         try:
             return urllib.request.urlopen(request, timeout=patience_s, context=self._tls)

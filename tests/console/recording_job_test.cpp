@@ -32,7 +32,7 @@ struct AskedCell {
         worker(cell, board, [] { return false; }),
         jobs(cell, board, worker),
         recording(cell, board, jobs, seat) {
-    REQUIRE(worker.command("enable").done);
+    REQUIRE(worker.command("enable", 0).done);
   }
 
   static std::filesystem::path written(const test::TemporaryFolder& folder) {
@@ -53,7 +53,7 @@ struct AskedCell {
 
 TEST_CASE("A recording asks the page for the reflector until all is read") {
   AskedCell bench;
-  CHECK(bench.recording.begin({"plan.csv", "recording"}) == 1);
+  CHECK(bench.recording.begin({"plan.csv", "recording"}, 0) == 1);
   const PageQuestion first = bench.question_after(0);
   CHECK_THAT(first.text, Contains("reflector on 'datum1'"));
   CHECK_THROWS_AS(bench.seat.answer(first.id + 1, "1,2,3"), CellBusy);
@@ -75,13 +75,13 @@ TEST_CASE("A recording that cannot begin is refused before anything moves") {
   AskedCell bench;
   for (const char* name : {"", ".plan.csv", "../plan.csv", "no/plan.csv"}) {
     INFO(name);
-    CHECK_THROWS_WITH(bench.recording.begin({name, "recording"}), Contains("plan: is"));
-    CHECK_THROWS_WITH(bench.recording.begin({"plan.csv", name}), Contains("out: is"));
+    CHECK_THROWS_WITH(bench.recording.begin({name, "recording"}, 0), Contains("plan: is"));
+    CHECK_THROWS_WITH(bench.recording.begin({"plan.csv", name}, 0), Contains("out: is"));
   }
-  CHECK_THROWS_AS(bench.recording.begin({"none.csv", "recording"}), InputError);
-  CHECK_THROWS_AS(bench.recording.begin({"plan.csv", "recording", "", "often"}), InputError);
+  CHECK_THROWS_AS(bench.recording.begin({"none.csv", "recording"}, 0), InputError);
+  CHECK_THROWS_AS(bench.recording.begin({"plan.csv", "recording", "", "often"}, 0), InputError);
   bench.folder.write("far.csv", "id,plan,x_mm,y_mm\nt1,train,900,0\n");
-  CHECK_THROWS_WITH(bench.recording.begin({"far.csv", "recording"}),
+  CHECK_THROWS_WITH(bench.recording.begin({"far.csv", "recording"}, 0),
                     Contains("far.csv") || Contains("t1"));
   CHECK_FALSE(bench.board.state().job);
   CHECK_FALSE(std::filesystem::exists(bench.folder / "recording"));

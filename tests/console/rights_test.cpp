@@ -83,6 +83,17 @@ TEST_CASE("A token for reading moves nothing, but stops") {
   CHECK(status_of(head) == 403);
 }
 
+TEST_CASE("A stop is taken on whatever way it comes, from whoever shows a token") {
+  RequestHead head = post_with(kGate.tokens().read);
+  head.path = "/api/stop";
+  head.host = "cell.example.org";
+  head.origin = "https://cell.example.org";
+  head.client = head.content_type = "";
+  CHECK(status_of(head) == 0);
+  head.cookie = "";
+  CHECK(status_of(head) != 0);
+}
+
 TEST_CASE("A page of another site is refused whatever it can send") {
   RequestHead head = post_with(kGate.tokens().operate);
   head.origin = "http://127.0.0.1:8377";

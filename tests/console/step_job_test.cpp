@@ -22,10 +22,10 @@ TEST_CASE("Only a virtual cell is experimented on, in a folder of its own") {
   StateBoard board;
   CellWorker worker(cell, board, [] { return false; });
   CellJobs jobs(cell, board, worker);
-  CHECK_THROWS_WITH(StepJob(real, board, jobs, [] {}).begin_experiment("experiment"),
+  CHECK_THROWS_WITH(StepJob(real, board, jobs, [] {}).begin_experiment("experiment", 0),
                     Contains("real.yaml: an experiment moves a real cell by itself") &&
                         Contains("end the console"));
-  CHECK_THROWS_WITH(StepJob(cell, board, jobs, [] {}).begin_experiment("../experiment"),
+  CHECK_THROWS_WITH(StepJob(cell, board, jobs, [] {}).begin_experiment("../experiment", 0),
                     Contains("out: is"));
   CHECK(real.json()["virtual"] == false);
   CHECK(cell.json()["virtual"] == true);

@@ -18,6 +18,7 @@ from served_console import ServedConsole
 
 PROGRAM, FOLDER = sys.argv[1:]
 ONE, OTHER = "1111111111111111", "2222222222222222"
+LATE_ORDERS = 20
 PATIENCE_S = 60
 
 
@@ -39,6 +40,7 @@ class Console(ServedConsole):
     def __init__(self, cell):
         super().__init__(PROGRAM, f"{FOLDER}/{cell}")
         atexit.register(self.process.kill)
+        self.stops = 0  # that the answers told of
         self.operate, self.read = self.token["operate"], self.token["look on"]
         self.port = int(self.origin.split(":")[2])
 
@@ -47,7 +49,7 @@ class Console(ServedConsole):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
         sent = {"Authorization": f"Bearer {self.operate if token is None else token}"}
         if method == "POST":
-            sent.update({"X-Planar-Client": client, "Content-Type": "application/json"})
+            sent.update({"X-Planar-Client": client, "X-Planar-Stops": str(self.stops), "Content-Type": "application/json"})
             body = body if isinstance(body, bytes) else json.dumps(body or {})
         sent.update({name.replace("_", "-"): value for name, value in headers.items()})
         with contextlib.closing(connection):
@@ -55,7 +57,9 @@ class Console(ServedConsole):
             answer = connection.getresponse()
             data = answer.read()
         is_json = answer.headers.get("Content-Type", "").startswith("application/json")
-        return answer.status, json.loads(data) if is_json else data
+        said = json.loads(data) if is_json else data
+        self.stops = said.get("stops", self.stops) if isinstance(said, dict) else self.stops
+        return answer.status, said
 
     def post(self, path, body=None, **how):
         return self.ask("POST", path, body, **how)
@@ -102,7 +106,8 @@ def try_rights(console):
     console.refused(403, "POST", "/api/command", {"line": "enable"}, token=console.read, says="may read only")
     for header in ({"Origin": "http://example.org"}, {"Host": "example.org"}, {"Content_Type": "text/plain"},
                    {"X_Planar_Client": ""}):
-        console.refused(403, "POST", "/api/stop", **header)
+        console.refused(403, "POST", "/api/command", {"line": "enable"}, **header)
+        check(console.post("/api/stop", token=console.read, **header)[0] == 200, "a stop is refused")
     check(console.post("/api/stop", token=console.read)[0] == 200, "a reader cannot stop")
 
 
@@ -113,6 +118,11 @@ def try_bodies(console):
     console.refused(400, "POST", "/api/command", {"line": "save /tmp/x.png"}, says="no command 'save'")
     console.refused(400, "POST", "/api/targets", {"csv": "id,x_mm,y_mm\nA,1\nB,x,1\n"}, says="has 2 fields")
     console.refused(400, "GET", "/api/place?x_mm=nan&y_mm=1")
+    place = {"x_mm": 150, "y_mm": 100}
+    for body, says in (({**place, "phi": 90}, "x_mm, y_mm, phi_deg"), ({**place, "y_mm": 1e308}, "10 m"),
+                       ({**place, "phi_deg": 1000}, "one turn"), (b'{"x_mm": 1, "x_mm": 2, "y_mm": 1}', "twice")):
+        console.refused(400, "POST", "/api/go", body, says=says)
+    check(console.post("/api/stop", b"now!")[0] == 200, "a stop is refused for its body")
     console.refused(400, "POST", "/api/run", {"out": "../run", "resume": False}, says="letters")
 
 
@@ -327,7 +337,25 @@ def try_stop(console):
         check("stopped as asked" in answers[0][1]["text"], answers)
         check(abs(console.turned() - begun) < 14.9, "the arm was not stopped on its way")
     console.refused(409, "POST", "/api/command", {"line": "x 1"}, says="take over")
-    check(console.post("/api/operator", {"take": True})[1] == {"operator": ONE}, "the floor is not given back")
+    check(console.post("/api/operator", {"take": True})[1]["operator"] == ONE, "the floor is not given back")
+
+
+def try_late_orders(console):
+    """What was ordered before a stop and comes later begins no more, with the number of stops or without."""
+    for i in range(LATE_ORDERS):
+        known = console.state()["stops"]
+        said = {"X_Planar_Stops": str(known) if i % 2 else ""}
+        order = threading.Thread(target=lambda: console.post("/api/go", {"x_mm": 330, "y_mm": -250 + 5 * (i % 3)}, **said))
+        order.start()
+        time.sleep(0.0015 * i)
+        check(console.post("/api/stop")[0] == 200, "no stop")
+        order.join()
+        console.rests()
+        rests = console.turned()
+        console.refused(409, "POST", "/api/command", {"line": "joint 1 1"}, says="after this was ordered", X_Planar_Stops=str(known))
+        time.sleep(0.4)  # longer than an order is on its way
+        check(console.state()["doing"] == "idle" and console.turned() == rests, "the arm moved after a stop")
+    check(console.post("/api/command", {"line": "joint 1 0.1"})[0] == 200, "no order is taken any more")
 
 
 def try_floods(console):
@@ -376,7 +404,7 @@ def main():
     try_step(fresh)
     fresh.end()
     slow = Console("slow.yaml")
-    for what in (try_jog, try_stop, try_floods, try_end):
+    for what in (try_jog, try_stop, try_late_orders, try_floods, try_end):
         what(slow)
 
 

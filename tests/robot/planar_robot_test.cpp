@@ -78,8 +78,22 @@ TEST_CASE("Nothing moves while a drive is off, faulty or lost") {
   CHECK(faulty.nothing_was_sent());
   ReadyBench lost;
   lost.drives[1].knows_position = false;
-  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 does not know its position; home it first");
+  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 has lost its position; home it first");
   CHECK(lost.nothing_was_sent());
+}
+
+TEST_CASE("What a drive counts from nowhere is no joint angle, until it is taught") {
+  ReadyBench bench;
+  bench.robot.move_to(kSomewhere);
+  REQUIRE(bench.robot.known_joints());
+  bench.drives[1].knows_position = false;
+  bench.robot.read_drives();
+  CHECK_FALSE(bench.robot.known_joints());
+  CHECK_FALSE(bench.robot.known_pulses());
+  CHECK_THROWS_WITH(bench.robot.commanded_joints(), "drive 2 has lost its position; home it first");
+  CHECK_THROWS_AS(bench.robot.present_joints(), DriveError);
+  bench.robot.teach_home(1);
+  CHECK(bench.robot.known_pulses() == bench.robot.commanded_pulses());
 }
 
 TEST_CASE("A drive that fails on its way halts all and is named") {
@@ -190,7 +204,7 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
   CHECK(bench.robot.unhomed() == std::vector<int>{1});
   home_where_needed(bench.robot, answer(true));
   CHECK(bench.robot.unhomed().empty());
-  CHECK(asked == "drives that do not know their position: 2");
+  CHECK(asked == "drives that have lost their position: 2");
   asked.clear();
   home_where_needed(bench.robot, answer(false));
   CHECK(asked.empty());

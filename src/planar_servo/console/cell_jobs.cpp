@@ -85,12 +85,12 @@ std::vector<nlohmann::ordered_json> CellJobs::results() {
   return results_;
 }
 
-int CellJobs::run(const std::string& name, bool resume) {
+int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
   const fs::path out = folder(name);
   const std::vector<TargetRow> goals = targets();
   if (goals.empty()) throw InputError(Refusal{"there are no targets", "load or teach some"});
   return begin(
-      Doing::kRunning, "targets", name,
+      Doing::kRunning, "targets", name, known,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         ServoRequest wanted = request_for_targets(stop, out);
         wanted.resume = resume;
@@ -109,9 +109,9 @@ int CellJobs::run(const std::string& name, bool resume) {
       });
 }
 
-int CellJobs::go(const TargetRow& target) {
+int CellJobs::go(const TargetRow& target, StopsKnown known) {
   return begin(
-      Doing::kRunning, "go", target.id,
+      Doing::kRunning, "go", target.id, known,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         const PassingFolder folder("planar-console");
         ServoRun run(request_for_targets(stop, folder.path()), devices, watch());
@@ -124,9 +124,9 @@ int CellJobs::go(const TargetRow& target) {
       });
 }
 
-int CellJobs::check() {
+int CellJobs::check(StopsKnown known) {
   return begin(
-      Doing::kChecking, "check", "",
+      Doing::kChecking, "check", "", known,
       [this](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         const CheckedFiles files = read_checked_files(cell_.settings());
         begun(0, 0);
@@ -138,28 +138,29 @@ int CellJobs::check() {
       });
 }
 
-int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name,
+int CellJobs::begin(Doing doing, const std::string& kind, const std::string& name, StopsKnown known,
                     const Work& work) {
   if (doing != Doing::kCalculating) require_able();
   auto begun = std::make_shared<std::promise<int>>();
   std::future<int> number = begun->get_future();
   const std::string text =
       fmt::format("{}{}", name_in(kDoings, doing), name.empty() ? "" : ": " + name);
-  worker_.begin(doing, text, [=, begun = std::move(begun)](CellDevices& devices, const Stop& stop) {
-    bool is_begun = false;
-    const auto begin_now = [&](std::size_t done, std::size_t all) {
-      begun->set_value(begin_state({0, kind, name, done, all}));
-      is_begun = true;
-    };
-    try {
-      end(work(devices, stop, begin_now));
-    } catch (const std::exception& error) {
-      if (!is_begun) return begun->set_exception(std::current_exception());
-      const bool stopped = dynamic_cast<const StopRequested*>(&error) != nullptr;
-      if (!stopped) hold(error.what());
-      end({error.what(), false, stopped ? "warning" : "error"});
-    }
-  });
+  worker_.begin(doing, text, known,
+                [=, begun = std::move(begun)](CellDevices& devices, const Stop& stop) {
+                  bool is_begun = false;
+                  const auto begin_now = [&](std::size_t done, std::size_t all) {
+                    begun->set_value(begin_state({0, kind, name, done, all}));
+                    is_begun = true;
+                  };
+                  try {
+                    end(work(devices, stop, begin_now));
+                  } catch (const std::exception& error) {
+                    if (!is_begun) return begun->set_exception(std::current_exception());
+                    const bool stopped = dynamic_cast<const StopRequested*>(&error) != nullptr;
+                    if (!stopped) hold(error.what());
+                    end({error.what(), false, stopped ? "warning" : "error"});
+                  }
+                });
   try {
     return number.get();
   } catch (const std::future_error&) {
@@ -228,7 +229,6 @@ ServoRequest CellJobs::request(const Stop& stop) {
   ServoRequest request;
   request.cell = cell_.settings();
   request.center = request.cell.lamps.method;
-  request.use_error_map = fs::exists(request.cell.error_map);
   request.stop = stop;
   request.found = [this](const auto& found) { note_findings(found); };
   const double ago_s = clock_.now_s() - well_s_;

@@ -40,9 +40,9 @@ class CellJobs {
   std::vector<nlohmann::ordered_json> results();
 
   /// Runs over the targets kept, in the folder `name` beside the cell file.
-  int run(const std::string& name, bool resume);
-  int go(const TargetRow& target);
-  int check();
+  int run(const std::string& name, bool resume, StopsKnown known);
+  int go(const TargetRow& target, StopsKnown known);
+  int check(StopsKnown known);
 
   /// How a job ended, in words.
   struct Ending {
@@ -56,7 +56,8 @@ class CellJobs {
   /// Calls it once all is read.
   using Work = std::function<Ending(CellDevices&, const Stop&, const Begun&)>;
   /// Begins a job of this kind and name.
-  int begin(Doing doing, const std::string& kind, const std::string& name, const Work& work);
+  int begin(Doing doing, const std::string& kind, const std::string& name, StopsKnown known,
+            const Work& work);
 
   // For jobs of other kinds.
   /// Returns the folder of this name beside the cell file. Throws InputError for another name.

@@ -65,7 +65,8 @@ CellWorker::CellWorker(const KnownCell& cell, StateBoard& board, std::function<b
     : cell_(cell),
       board_(board),
       interrupted_(std::move(interrupted)),
-      pictures_(cell.settings(), cell.vision(), board) {
+      pictures_(cell.settings(), cell.vision(), board),
+      stops_(board.state().stops) {
   DeviceWatch watch{[this](const Frame& frame) { pictures_.take(frame, is_watched()); },
                     [this](const auto& fault) { see_fault(fault); },
                     [this](const auto& drives) { see_drives(drives); }};
@@ -102,10 +103,10 @@ CellWorker::~CellWorker() {
   thread_.join();
 }
 
-JogConsole::Answer CellWorker::command(const std::string& line) {
+JogConsole::Answer CellWorker::command(const std::string& line, StopsKnown known) {
   const Verb& verb = verb_of(line);
   JogConsole::Answer answer{false, "was stopped before it began"};
-  const auto task = post(verb.doing, sentence_of(verb, line), [this, line, &answer] {
+  const auto task = post(verb.doing, sentence_of(verb, line), known, [this, line, &answer] {
     if (line.rfind("focus", 0) == 0) pictures_.forget_best();
     answer = jog_->execute(line);
   });
@@ -115,13 +116,13 @@ JogConsole::Answer CellWorker::command(const std::string& line) {
   return answer;
 }
 
-std::uint64_t CellWorker::hold(const std::string& line) {
+std::uint64_t CellWorker::hold(const std::string& line, StopsKnown known) {
   const Verb& verb = verb_of(line);
   if (!verb.is_held)
     throw InputError({fmt::format("'{}' is not held", line), "hold joint, x or y", "line"});
   constexpr bool kHeld = true;
   const auto task = post(
-      verb.doing, sentence_of(verb, line),
+      verb.doing, sentence_of(verb, line), known,
       [this, line] {
         const JogConsole::Answer answer = jog_->execute(line);
         const bool lost = clock_.now_s() > performed_->held_until_s && !performed_->stopped;
@@ -139,8 +140,8 @@ bool CellWorker::keep() {
   return true;
 }
 
-void CellWorker::begin(Doing doing, const std::string& text, Job job) {
-  post(doing, text, [this, job = std::move(job)] {
+void CellWorker::begin(Doing doing, const std::string& text, StopsKnown known, Job job) {
+  post(doing, text, known, [this, job = std::move(job)] {
     job(*devices_, [this] { return must_stop(); });
     jog_->arm().take_over();
     read_doubts();
@@ -154,8 +155,26 @@ void CellWorker::note_findings(std::vector<Refusal> findings) {
 
 bool CellWorker::stop() {
   const std::lock_guard<std::mutex> lock(mutex_);
+  stopped_s_ = clock_.now_s();
+  return stop_locked();
+}
+
+bool CellWorker::hand_over() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return stop_locked();
+}
+
+bool CellWorker::stop_locked() {
+  ++stops_;
+  board_.change([&](CellState& state) { state.stops = stops_; });
   if (task_) task_->stopped = true;
   return task_ != nullptr;
+}
+
+StopsKnown CellWorker::stops_known(std::optional<StopsKnown> seen) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (seen) return *seen;
+  return clock_.now_s() - stopped_s_ < kOnItsWay_s ? stops_ - 1 : stops_;
 }
 
 bool CellWorker::wait_for_rest(double most_s) {
@@ -165,7 +184,8 @@ bool CellWorker::wait_for_rest(double most_s) {
 }
 
 std::shared_ptr<CellWorker::Task> CellWorker::post(Doing doing, const std::string& text,
-                                                   std::function<void()> act, bool held) {
+                                                   StopsKnown known, std::function<void()> act,
+                                                   bool held) {
   auto task = std::make_shared<Task>();
   task->doing = doing;
   task->text = text;
@@ -173,6 +193,8 @@ std::shared_ptr<CellWorker::Task> CellWorker::post(Doing doing, const std::strin
   task->held_until_s = held ? clock_.now_s() + kHold_s : kForever;
   const std::lock_guard<std::mutex> lock(mutex_);
   if (closed_) throw CellBusy(Refusal{"the cell's files are read anew", "wait a moment"});
+  if (known != stops_)
+    throw CellBusy(Refusal{"the cell was stopped after this was ordered", "order it again"});
   if (task_)
     throw CellBusy(
         Refusal{fmt::format("the cell is at work: {}", task_->text), "wait, or stop it"});

@@ -24,8 +24,13 @@ class CellBusy : public WorkError {
   using WorkError::WorkError;
 };
 
+/// The stops of the cell that whoever gave an order knew of.
+using StopsKnown = std::uint64_t;
+
 /// Works a cell's devices on one thread, one task after the other; between tasks it takes pictures
-/// while anybody watches. All functions may be called from any thread.
+/// while anybody watches. A stop ends what is under way and all that was ordered before it: what
+/// begins a task takes the stops its order knew of, and throws CellBusy once there were more. All
+/// functions may be called from any thread.
 class CellWorker {
  public:
   /// Opens the devices. `interrupted` is asked during every move. Throws as open_cell() and
@@ -38,11 +43,11 @@ class CellWorker {
 
   /// Executes a line of JogConsole and returns its answer. Throws CellBusy while another task is
   /// not done.
-  JogConsole::Answer command(const std::string& line);
+  JogConsole::Answer command(const std::string& line, StopsKnown known);
   /// Begins a line that moves the arm as long as keep() is called every kHold_s; then it slows down
   /// to rest. Returns the number of the first state that says so. Throws as command() does, and
   /// InputError for a line that moves nothing.
-  std::uint64_t hold(const std::string& line);
+  std::uint64_t hold(const std::string& line, StopsKnown known);
   /// Says that whoever holds the arm is still there. Returns false when nothing is held.
   bool keep();
   static constexpr double kHold_s{0.2};
@@ -51,13 +56,19 @@ class CellWorker {
   /// where `stop` returned true.
   using Job = std::function<void(CellDevices& devices, const std::function<bool()>& stop)>;
   /// Begins a job and returns at once. Throws as command() does.
-  void begin(Doing doing, const std::string& text, Job job);
+  void begin(Doing doing, const std::string& text, StopsKnown known, Job job);
 
   /// Shows what a check of the cell has found until the next one; for jobs.
   void note_findings(std::vector<Refusal> findings);
 
   /// Lets what moves slow down to rest and ends the task. Returns whether there was one.
   bool stop();
+  /// The same for another operator, whose orders cannot have been on their way before it.
+  bool hand_over();
+  /// Returns the stops that an order knows of which comes now: `seen`, where its sender says so.
+  /// Otherwise it may have been sent before a stop of the last moments.
+  StopsKnown stops_known(std::optional<StopsKnown> seen);
+  static constexpr double kOnItsWay_s{0.3};
   /// Takes no more tasks, because the cell is opened anew.
   void close() { closed_ = true; }
   /// Waits until nothing is under way, so long at most. Returns whether that is so.
@@ -78,8 +89,9 @@ class CellWorker {
   };
 
   void open_jog();
-  std::shared_ptr<Task> post(Doing doing, const std::string& text, std::function<void()> act,
-                             bool held = false);
+  std::shared_ptr<Task> post(Doing doing, const std::string& text, StopsKnown known,
+                             std::function<void()> act, bool held = false);
+  bool stop_locked();
   void work();
   std::shared_ptr<Task> next_task();
   void perform(const std::shared_ptr<Task>& task);
@@ -119,6 +131,8 @@ class CellWorker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<Task> task_;  ///< not done yet
+  StopsKnown stops_;
+  double stopped_s_{-1e9};  ///< by the steady clock
   std::atomic<double> watched_s_{-1e9};
   std::atomic<bool> ending_{false}, closed_{false};
   std::thread thread_;

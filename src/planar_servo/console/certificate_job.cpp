@@ -38,7 +38,7 @@ void require_size(const CertificateSize& size) {
 
 }  // namespace
 
-int CertificateJob::begin(const std::string& name, const CertificateSize& size) {
+int CertificateJob::begin(const std::string& name, const CertificateSize& size, StopsKnown known) {
   require_size(size);
   const std::filesystem::path out = jobs_.folder(name);
   const auto work = [=](CellDevices& devices, const CellJobs::Stop& stop,
@@ -47,7 +47,7 @@ int CertificateJob::begin(const std::string& name, const CertificateSize& size) 
     request.servo.out = out;
     return certify(request, devices, begun);
   };
-  return jobs_.begin(Doing::kRunning, "certificate", name, work);
+  return jobs_.begin(Doing::kRunning, "certificate", name, known, work);
 }
 
 CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, CellDevices& devices,

@@ -18,7 +18,7 @@ class CertificateJob {
   /// Begins a certificate in the folder `name` beside the cell file, or continues the one that was
   /// broken off there, and returns the number of its job once its files are read. Throws as the
   /// functions of CellJobs do, and InputError for sizes that planar-certify refuses.
-  int begin(const std::string& name, const CertificateSize& size);
+  int begin(const std::string& name, const CertificateSize& size, StopsKnown known);
 
  private:
   CellJobs::Ending certify(const CertificateRequest& request, CellDevices& devices,

@@ -83,7 +83,7 @@ nlohmann::ordered_json PathJob::json() const {
 }
 
 int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm_s,
-                   const std::vector<Guidance>& guidances) {
+                   const std::vector<Guidance>& guidances, StopsKnown known) {
   const fs::path out = jobs_.folder(name);
   std::optional<Table> table;
   {
@@ -96,7 +96,7 @@ int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm
     throw InputError({"it is to be followed no time", "name a speed and what guides it", kPath});
   require_followable(cell_.settings(), path);
   path.file = out / "path.csv";
-  return jobs_.begin(Doing::kRunning, "path", name,
+  return jobs_.begin(Doing::kRunning, "path", name, known,
                      [=, csv = table->csv](CellDevices& devices, const CellJobs::Stop& stop,
                                            const CellJobs::Begun& begun) {
                        ServoRequest request = jobs_.request(stop);

@@ -27,7 +27,7 @@ class PathJob {
   /// file, and returns the number of the job once its files are read. Throws as the functions of
   /// CellJobs do, and InputError for speeds and ways that planar-servo refuses.
   int begin(const std::string& name, const std::vector<double>& speeds_mm_s,
-            const std::vector<Guidance>& guidances);
+            const std::vector<Guidance>& guidances, StopsKnown known);
 
  private:
   struct Table {

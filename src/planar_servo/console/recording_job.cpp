@@ -37,7 +37,7 @@ RecordingState state_of(const RecordView& view) {
 
 }  // namespace
 
-int RecordingJob::begin(const RecordingOrder& order) {
+int RecordingJob::begin(const RecordingOrder& order, StopsKnown known) {
   require_file_name(order.plan, "plan");
   require_file_name(order.out, "out");
   RecordRequest wanted;
@@ -74,7 +74,7 @@ int RecordingJob::begin(const RecordingOrder& order) {
                         report.present, skipped),
             report.skipped.empty()};
   };
-  return jobs_.begin(Doing::kRecording, "record", order.out, record_all);
+  return jobs_.begin(Doing::kRecording, "record", order.out, known, record_all);
 }
 
 }  // namespace planar

@@ -24,7 +24,7 @@ class RecordingJob {
 
   /// Begins or continues a recording and returns the number of its job once its files are read.
   /// Throws as the functions of CellJobs do.
-  int begin(const RecordingOrder& order);
+  int begin(const RecordingOrder& order, StopsKnown known);
 
  private:
   const KnownCell& cell_;

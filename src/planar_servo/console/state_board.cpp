@@ -35,8 +35,9 @@ ordered_json arm_json(const ArmState& arm) {
       {"joints_deg", if_known([](const ArmStand& at) { return json_numbers(at.theta / kDegree); })},
       {"elbow_mm", if_known([](const ArmStand& at) { return json_mm(at.elbow_B); })},
       {"tip_mm", if_known([](const ArmStand& at) { return json_mm(at.tip.p); })},
-      {"phi_deg",
-       if_known([](const ArmStand& at) { return ordered_json(json_number(at.tip.phi / kDegree)); })},
+      {"phi_deg", if_known([](const ArmStand& at) {
+         return ordered_json(json_number(at.tip.phi / kDegree));
+       })},
       {"to_do", or_null(arm.to_do)}};
 }
 
@@ -196,6 +197,7 @@ ordered_json StateBoard::json_locked() const {
   const auto null = ordered_json(nullptr);
   return {{"seq", version_},
           {"opened", state.opened},
+          {"stops", state.stops},
           {"doing", name_in(kDoings, state.doing)},
           {"text", state.text},
           {"since_s", json_number(now_s - state.since_s)},

@@ -56,7 +56,7 @@ struct ArmStand {
 struct ArmState {
   bool enabled{false};
   std::optional<ArmStand> stand{};  ///< none before all drives know their position
-  std::string to_do{};  ///< what is to be done before it can move; empty when it can
+  std::string to_do{};              ///< what is to be done before it can move; empty when it can
 };
 
 /// A lamp of the tool in the last picture.
@@ -103,7 +103,8 @@ struct RecordingState {
 
 /// All that the page shows of the moment.
 struct CellState {
-  int opened{0};  ///< so often were the cell's files read
+  int opened{0};           ///< so often were the cell's files read
+  std::uint64_t stops{0};  ///< so often was the cell stopped
   Doing doing{Doing::kIdle};
   std::string text{"idle"};
   double since_s{0.0};  ///< by the steady clock

@@ -95,28 +95,29 @@ class ShellCommand {
 
 }  // namespace
 
-int StepJob::begin(const std::string& board) {
+int StepJob::begin(const std::string& board, StopsKnown known) {
   const WorkStep step = next_of(cell_.settings().file, board);
   if (!step.is_calculated)
     throw InputError({fmt::format("next is {}: {}", step.name, step.what),
                       "do it on this page, or by the command that is named"});
-  return follow("step", step.name, step.command, [this, step](const std::string& /*said*/) {
+  return follow("step", step.name, step.command, known, [this, step](const std::string& /*said*/) {
     changed_();
     return step.name + " is done";
   });
 }
 
-int StepJob::begin_experiment(const std::string& name) {
+int StepJob::begin_experiment(const std::string& name, StopsKnown known) {
   const CellSettings& cell = cell_.settings();
   if (!cell.truth)
     throw InputError({"an experiment moves a real cell by itself, whose devices this console holds",
                       "end the console, then use planar-experiment", cell.file});
   const std::string command = fmt::format("planar-experiment --cell {} --out {}",
                                           shell_word(cell.file), shell_word(jobs_.folder(name)));
-  return follow("experiment", name, command, [](const std::string& said) { return said; });
+  return follow("experiment", name, command, known, [](const std::string& said) { return said; });
 }
 
 int StepJob::follow(const std::string& kind, const std::string& name, const std::string& command,
+                    StopsKnown known,
                     const std::function<std::string(const std::string& said)>& finish) {
   const auto calculate = [=](CellDevices& /*devices*/, const CellJobs::Stop& stop,
                              const CellJobs::Begun& begun) -> CellJobs::Ending {
@@ -131,7 +132,7 @@ int StepJob::follow(const std::string& kind, const std::string& name, const std:
     if (status != 0) return {last, false};
     return {finish(last), true};
   };
-  return jobs_.begin(Doing::kCalculating, kind, name, calculate);
+  return jobs_.begin(Doing::kCalculating, kind, name, known, calculate);
 }
 
 }  // namespace planar

@@ -20,17 +20,17 @@ class StepJob {
   /// Begins the step that is next and returns the number of its job. `board` is the calibration
   /// board, as --grid takes it. Throws InputError where nothing is left, or a person must do it
   /// otherwise, and as the functions of CellJobs do.
-  int begin(const std::string& board);
+  int begin(const std::string& board, StopsKnown known);
   /// Begins or continues an experiment on a copy of this virtual cell, by planar-experiment in the
   /// folder `name` beside the cell file, and returns as begin() does. Throws InputError for a real
   /// cell.
-  int begin_experiment(const std::string& name);
+  int begin_experiment(const std::string& name, StopsKnown known);
 
  private:
   /// Begins a job that runs a command. Once that has ended well, `finish` is told the last line and
   /// returns the words for the job's end.
   int follow(const std::string& kind, const std::string& name, const std::string& command,
-             const std::function<std::string(const std::string& said)>& finish);
+             StopsKnown known, const std::function<std::string(const std::string& said)>& finish);
 
   const KnownCell& cell_;
   StateBoard& board_;

@@ -28,8 +28,8 @@ void search_home(PlanarRobot& robot, int joint) {
 
 void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& beside) {
   std::vector<int> to_search, at_mark;
-  std::string with_switch = "drives that do not know their position:";
-  std::string with_mark = "drives that do not know their position and have no home switch:";
+  std::string with_switch = "drives that have lost their position:";
+  std::string with_mark = "drives that have lost their position and have no home switch:";
   for (const int joint : robot.unhomed()) {
     const auto mark = robot.home_mark(joint);
     (mark ? at_mark : to_search).push_back(joint);

@@ -16,7 +16,7 @@ enum class Homing {
 /// Is asked whether the drives that a text names may be homed in this way now.
 using MayHome = std::function<bool(Homing way, const std::string& unhomed)>;
 
-/// Homes the drives that do not know their position, if that is allowed; an empty `may_home` forbids
+/// Homes the drives that have lost their position, if that is allowed; an empty `may_home` forbids
 /// it. All is asked before the first drive moves. Throws DriveError when it is not allowed, with
 /// the option to start with, followed by `beside`, and as PlanarRobot::search_home() does.
 void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& beside = "");

@@ -57,7 +57,7 @@ std::string in_words(const std::vector<std::string>& faults) {
 }
 
 [[noreturn]] void throw_unhomed(std::size_t joint) {
-  throw DriveError({fmt::format("drive {} does not know its position", joint + 1), "home it first"});
+  throw DriveError({fmt::format("drive {} has lost its position", joint + 1), "home it first"});
 }
 
 [[noreturn]] void throw_stopped() {

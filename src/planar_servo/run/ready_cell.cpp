@@ -27,6 +27,7 @@ constexpr double kWorthALook_s = 60.0;
 /// A guard's distance is half as long again as any that was seen at the calibration.
 constexpr double kDeviationsInDistance = 3.0;
 constexpr char kChecking[] = "looking at the cell";
+constexpr char kResume[] = "; add --resume to continue a run";
 
 GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& vision,
                       const std::optional<HealthRecord>& health) {
@@ -104,7 +105,7 @@ void ReadyCell::switch_on() {
 }
 
 std::optional<std::string> ReadyCell::examine_if_due() {
-  if (!robot_.known_joints()) home_where_needed(robot_, may_home_);
+  if (!robot_.known_joints()) home_where_needed(robot_, may_home_, kResume);
   if (!examined_s_) {
     if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
     begun_at_ = robot_.known_pulses();
@@ -168,7 +169,7 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
-  home_where_needed(robot_, may_home_, "; add --resume to continue a run");
+  home_where_needed(robot_, may_home_, kResume);
   spdlog::info(fmt::format("{}: the drives are ready again; resuming", id));
 }
 

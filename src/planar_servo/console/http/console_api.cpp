@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "planar_servo/console/http/cell_folder.h"
 #include "planar_servo/console/http/page_files.h"
@@ -24,7 +26,7 @@ constexpr char kJson[] = "application/json";
 constexpr char kReports[] = "/reports/";
 constexpr char kReportPolicy[] =
     "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:";
-constexpr char kClient[] = "X-Planar-Client";
+constexpr char kClient[] = "X-Planar-Client", kStops[] = "X-Planar-Stops";
 constexpr char kPagePolicy[] =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src "
     "'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -68,6 +70,38 @@ double number_in(const httplib::Request& request, const char* key) {
     throw InputError(
         {fmt::format("is '{}'", request.get_param_value(key)), "a finite number is needed", key});
   return *value;
+}
+
+std::optional<StopsKnown> stops_in(const httplib::Request& request) {
+  const std::string text = request.get_header_value(kStops);
+  if (text.empty()) return std::nullopt;
+  StopsKnown stops = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), stops);
+  if (error == std::errc() && end == text.data() + text.size()) return stops;
+  throw InputError({fmt::format("is '{}'", text), "send `stops` of the last state", kStops});
+}
+
+/// Returns the object that is a request's body. Throws InputError for a key that is not one of
+/// these, or stands there twice.
+nlohmann::ordered_json body_of(const httplib::Request& request,
+                               const std::vector<std::string>& keys) {
+  constexpr int kMembers = 1;
+  using Json = nlohmann::ordered_json;
+  std::set<std::string> met;
+  const auto meet = [&](int depth, Json::parse_event_t event, const Json& key) {
+    if (event != Json::parse_event_t::key || depth != kMembers) return true;
+    const auto& name = key.get_ref<const std::string&>();
+    if (std::find(keys.begin(), keys.end(), name) == keys.end())
+      throw InputError(
+          {fmt::format("has no key '{}'", name),
+           keys.empty() ? "send {}" : fmt::format("there are {}", fmt::join(keys, ", ")), "body"});
+    if (!met.insert(name).second)
+      throw InputError({fmt::format("has '{}' twice", name), "send it once", "body"});
+    return true;
+  };
+  Json body = Json::parse(request.body.empty() ? "{}" : request.body, meet, false);
+  if (!body.is_object()) throw InputError({"is no JSON object", "send one, such as {}", "body"});
+  return body;
 }
 
 void send_jpeg(httplib::Response& response, const Pictures::Jpeg& jpeg) {
@@ -126,23 +160,25 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_get("/api/results", &ConsoleApi::results);
   answer_get("/api/targets", &ConsoleApi::targets);
   answer_get("/api/path", &ConsoleApi::path);
-  answer_post("/api/operator", &ConsoleOrders::take_floor);
-  answer_post("/api/stop", &ConsoleOrders::stop);
-  answer_post("/api/command", &ConsoleOrders::command);
-  answer_post("/api/jog", &ConsoleOrders::jog);
+  answer_post("/api/operator", &ConsoleOrders::take_floor, {"take"});
+  server_.Post("/api/stop", [this](const Request&, Response& response) {
+    response.set_content(text_of(orders_.stop()), kJson);  // whatever the body is
+  });
+  answer_post("/api/command", &ConsoleOrders::command, {"line"});
+  answer_post("/api/jog", &ConsoleOrders::jog, {"line"});
   answer_post("/api/jog/keep", &ConsoleOrders::keep);
-  answer_post("/api/targets", &ConsoleOrders::load_targets);
-  answer_post("/api/run", &ConsoleOrders::run);
-  answer_post("/api/go", &ConsoleOrders::go);
+  answer_post("/api/targets", &ConsoleOrders::load_targets, {"csv"});
+  answer_post("/api/run", &ConsoleOrders::run, {"out", "resume", "judged"});
+  answer_post("/api/go", &ConsoleOrders::go, {"x_mm", "y_mm", "phi_deg"});
   answer_post("/api/check", &ConsoleOrders::check);
-  answer_post("/api/record", &ConsoleOrders::record);
-  answer_post("/api/path", &ConsoleOrders::load_path);
-  answer_post("/api/follow", &ConsoleOrders::follow);
-  answer_post("/api/certificate", &ConsoleOrders::certify);
-  answer_post("/api/experiment", &ConsoleOrders::experiment);
-  answer_post("/api/answer", &ConsoleOrders::answer);
+  answer_post("/api/record", &ConsoleOrders::record, {"plan", "out", "board", "on_bad_reading"});
+  answer_post("/api/path", &ConsoleOrders::load_path, {"csv"});
+  answer_post("/api/follow", &ConsoleOrders::follow, {"out", "speeds_mm_s", "guided_by"});
+  answer_post("/api/certificate", &ConsoleOrders::certify, {"out", "cycles", "targets"});
+  answer_post("/api/experiment", &ConsoleOrders::experiment, {"out"});
+  answer_post("/api/answer", &ConsoleOrders::answer, {"id", "text"});
   answer_post("/api/confirm", &ConsoleOrders::confirm);
-  answer_post("/api/step", &ConsoleOrders::step);
+  answer_post("/api/step", &ConsoleOrders::step, {"board"});
   serve_pictures();
   serve_events();
   serve_page();
@@ -190,12 +226,12 @@ void ConsoleApi::answer_get(const char* path, Json (ConsoleApi::*read)(const Req
   });
 }
 
-void ConsoleApi::answer_post(const char* path, ConsoleOrders::Act act) {
-  server_.Post(path, [this, act](const Request& request, Response& response) {
-    const Json body = Json::parse(request.body.empty() ? "{}" : request.body, nullptr, false);
-    if (!body.is_object()) throw InputError({"is no JSON object", "send one, such as {}", "body"});
-    response.set_content(
-        board_.named(text_of((orders_.*act)(body, request.get_header_value(kClient)))), kJson);
+void ConsoleApi::answer_post(const char* path, ConsoleOrders::Act act,
+                             const std::vector<std::string>& keys) {
+  server_.Post(path, [this, act, keys](const Request& request, Response& response) {
+    const Sender sender = orders_.sender(request.get_header_value(kClient), stops_in(request));
+    const Json body = body_of(request, keys);
+    response.set_content(board_.named(text_of((orders_.*act)(body, sender))), kJson);
   });
 }
 
@@ -266,7 +302,8 @@ ConsoleApi::Json ConsoleApi::place(const Request& request) {
   std::optional<double> phi;
   if (request.has_param("phi_deg")) phi = number_in(request, "phi_deg") * kDegree;
   const auto arm = board_.state().arm;
-  return cell_.place_json(p * kMillimetre, phi, arm && arm->stand ? arm->stand->theta : cell_.settings().arm.home);
+  return cell_.place_json(p * kMillimetre, phi,
+                          arm && arm->stand ? arm->stand->theta : cell_.settings().arm.home);
 }
 
 ConsoleApi::Json ConsoleApi::files(const Request& request) {

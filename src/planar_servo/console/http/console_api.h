@@ -31,7 +31,8 @@ class ConsoleApi {
 
   bool admit(const Request& request, Response& response);
   void answer_get(const char* path, Json (ConsoleApi::*read)(const Request&));
-  void answer_post(const char* path, ConsoleOrders::Act act);
+  void answer_post(const char* path, ConsoleOrders::Act act,
+                   const std::vector<std::string>& keys = {});
   void serve_pictures();
   void serve_events();
   void serve_page();

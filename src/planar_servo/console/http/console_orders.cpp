@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <sstream>
 
 #include "planar_servo/console/json_values.h"
@@ -11,6 +12,8 @@
 namespace planar {
 namespace {
 
+/// No arm reaches as far, and none of its tools turns further.
+constexpr double kFarthest_mm = 1e4, kTurn_deg = 360.0;
 constexpr double kTakeOver_s = 10.0;  ///< a floor is waited for so long
 
 /// Returns a body's member of this type. Throws InputError where it is missing or another.
@@ -30,6 +33,19 @@ Value member_or(const nlohmann::ordered_json& body, const char* key, const Value
   return body.contains(key) && !body[key].is_null() ? member<Value>(body, key) : otherwise;
 }
 
+/// Returns a body's number. Throws InputError where it is larger than anything that is meant.
+double number_within(const nlohmann::ordered_json& body, const char* key, double most,
+                     const char* rule) {
+  const auto value = member<double>(body, key);
+  if (std::abs(value) <= most) return value;
+  throw InputError({fmt::format("is {:g}", value), fmt::format("at most {}", rule), key});
+}
+
+/// Returns a coordinate, metres.
+double length_in(const nlohmann::ordered_json& body, const char* key) {
+  return number_within(body, key, kFarthest_mm, "10 m, in mm, are meant") * kMillimetre;
+}
+
 int whole_or(const nlohmann::ordered_json& body, const char* key, int otherwise) {
   const auto value = member_or<nlohmann::ordered_json>(body, key, otherwise);
   if (value.is_number_integer() && value == value.get<int>()) return value.get<int>();
@@ -38,7 +54,8 @@ int whole_or(const nlohmann::ordered_json& body, const char* key, int otherwise)
 
 }  // namespace
 
-ConsoleOrders::Json ConsoleOrders::take_floor(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::take_floor(const Json& body, const Sender& sender) {
+  const std::string& client = sender.client;
   if (!member<bool>(body, "take")) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (mover_ == client) set_floor("");
@@ -49,19 +66,20 @@ ConsoleOrders::Json ConsoleOrders::take_floor(const Json& body, const std::strin
     if (mover_ == client) return {{"operator", mover_}};
     set_floor(client);
   }
-  if (worker_.stop() && !worker_.wait_for_rest(kTakeOver_s))
+  if (worker_.hand_over() && !worker_.wait_for_rest(kTakeOver_s))
     throw CellBusy(Refusal{"what was under way has not come to rest", "look at the arm"});
-  return {{"operator", client}};
+  return {{"operator", client}, {"stops", board_.state().stops}};
 }
 
-ConsoleOrders::Json ConsoleOrders::stop(const Json& /*body*/, const std::string& /*client*/) {
-  return {{"stopped", worker_.stop()}};
+ConsoleOrders::Json ConsoleOrders::stop() {
+  const bool stopped = worker_.stop();
+  return {{"stopped", stopped}, {"stops", board_.state().stops}};
 }
 
-ConsoleOrders::Json ConsoleOrders::command(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::command(const Json& body, const Sender& sender) {
   const auto line = member<std::string>(body, "line");
-  require_floor(client);
-  const JogConsole::Answer answer = worker_.command(line);
+  require_floor(sender.client);
+  const JogConsole::Answer answer = worker_.command(line, sender.stops);
   std::istringstream words(line);
   std::string verb, id;
   words >> verb >> id;
@@ -70,107 +88,107 @@ ConsoleOrders::Json ConsoleOrders::command(const Json& body, const std::string& 
   return {{"done", answer.done}, {"text", answer.text}};
 }
 
-ConsoleOrders::Json ConsoleOrders::jog(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::jog(const Json& body, const Sender& sender) {
   const auto line = member<std::string>(body, "line");
-  require_floor(client);
-  return {{"begun", true}, {"seq", worker_.hold(line)}};
+  require_floor(sender.client);
+  return {{"begun", true}, {"seq", worker_.hold(line, sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::keep(const Json& /*body*/, const std::string& client) {
-  require_floor(client);
+ConsoleOrders::Json ConsoleOrders::keep(const Json& /*body*/, const Sender& sender) {
+  require_floor(sender.client);
   return {{"held", worker_.keep()}};
 }
 
-ConsoleOrders::Json ConsoleOrders::load_targets(const Json& body, const std::string& client) {
-  require_floor(client);
+ConsoleOrders::Json ConsoleOrders::load_targets(const Json& body, const Sender& sender) {
+  require_floor(sender.client);
   jobs_.places.load_targets(member<std::string>(body, "csv"));
   return {{"targets", targets_json(jobs_.places.targets())}};
 }
 
-ConsoleOrders::Json ConsoleOrders::run(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::run(const Json& body, const Sender& sender) {
   const auto name = member<std::string>(body, "out");
   const bool resume = member_or(body, "resume", false);
   if (member_or(body, "judged", false))
     throw InputError(
         {"a judged run asks a person at the terminal", "use planar-servo --judged", "judged"});
-  require_floor(client);
-  return {{"job", jobs_.places.run(name, resume)}};
+  require_floor(sender.client);
+  return {{"job", jobs_.places.run(name, resume, sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::go(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::go(const Json& body, const Sender& sender) {
   TargetRow target;
   target.id = "place";
-  target.p_d = {member<double>(body, "x_mm"), member<double>(body, "y_mm")};
-  target.p_d *= kMillimetre;
-  if (body.contains("phi_deg")) target.phi_d = member<double>(body, "phi_deg") * kDegree;
-  require_floor(client);
-  return {{"job", jobs_.places.go(target)}};
+  target.p_d = {length_in(body, "x_mm"), length_in(body, "y_mm")};
+  if (body.contains("phi_deg"))
+    target.phi_d = number_within(body, "phi_deg", kTurn_deg, "one turn either way") * kDegree;
+  require_floor(sender.client);
+  return {{"job", jobs_.places.go(target, sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::check(const Json& /*body*/, const std::string& client) {
-  require_floor(client);
-  return {{"job", jobs_.places.check()}};
+ConsoleOrders::Json ConsoleOrders::check(const Json& /*body*/, const Sender& sender) {
+  require_floor(sender.client);
+  return {{"job", jobs_.places.check(sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::record(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::record(const Json& body, const Sender& sender) {
   RecordingOrder order{member<std::string>(body, "plan"), member<std::string>(body, "out")};
   order.board = member_or(body, "board", order.board);
   order.on_bad_reading = member_or(body, "on_bad_reading", order.on_bad_reading);
-  require_floor(client);
-  return {{"job", jobs_.recording.begin(order)}};
+  require_floor(sender.client);
+  return {{"job", jobs_.recording.begin(order, sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::load_path(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::load_path(const Json& body, const Sender& sender) {
   const auto csv = member<std::string>(body, "csv");
-  require_floor(client);
+  require_floor(sender.client);
   jobs_.path.load(csv);
   return jobs_.path.json();
 }
 
-ConsoleOrders::Json ConsoleOrders::follow(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::follow(const Json& body, const Sender& sender) {
   const auto name = member<std::string>(body, "out");
   const auto speeds_mm_s = member_or<std::vector<double>>(body, "speeds_mm_s", {kUsualSpeed_mm_s});
   const std::string vision = name_in(kGuidances, Guidance::kVision);
   std::vector<Guidance> guidances;
   for (const auto& word : member_or<std::vector<std::string>>(body, "guided_by", {vision}))
     guidances.push_back(value_in(kGuidances, word, "guided_by"));
-  require_floor(client);
-  return {{"job", jobs_.path.begin(name, speeds_mm_s, guidances)}};
+  require_floor(sender.client);
+  return {{"job", jobs_.path.begin(name, speeds_mm_s, guidances, sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::certify(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::certify(const Json& body, const Sender& sender) {
   const auto name = member<std::string>(body, "out");
   CertificateSize size;
   size.cycles = whole_or(body, "cycles", size.cycles);
   size.targets = whole_or(body, "targets", size.targets);
-  require_floor(client);
-  return {{"job", jobs_.certificate.begin(name, size)}};
+  require_floor(sender.client);
+  return {{"job", jobs_.certificate.begin(name, size, sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::answer(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::answer(const Json& body, const Sender& sender) {
   const int question = member<int>(body, "id");
   const auto text = member<std::string>(body, "text");
-  require_floor(client);
+  require_floor(sender.client);
   jobs_.seat.answer(question, text);
   return {{"answered", question}};
 }
 
-ConsoleOrders::Json ConsoleOrders::confirm(const Json& /*body*/, const std::string& client) {
-  require_floor(client);
+ConsoleOrders::Json ConsoleOrders::confirm(const Json& /*body*/, const Sender& sender) {
+  require_floor(sender.client);
   jobs_.seat.confirm();
   return {{"confirmed", true}};
 }
 
-ConsoleOrders::Json ConsoleOrders::experiment(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::experiment(const Json& body, const Sender& sender) {
   const auto name = member<std::string>(body, "out");
-  require_floor(client);
-  return {{"job", jobs_.steps.begin_experiment(name)}};
+  require_floor(sender.client);
+  return {{"job", jobs_.steps.begin_experiment(name, sender.stops)}};
 }
 
-ConsoleOrders::Json ConsoleOrders::step(const Json& body, const std::string& client) {
+ConsoleOrders::Json ConsoleOrders::step(const Json& body, const Sender& sender) {
   const auto board = member_or<std::string>(body, "board", kUsualBoard);
-  require_floor(client);
-  return {{"job", jobs_.steps.begin(board)}};
+  require_floor(sender.client);
+  return {{"job", jobs_.steps.begin(board, sender.stops)}};
 }
 
 void ConsoleOrders::require_floor(const std::string& client) {

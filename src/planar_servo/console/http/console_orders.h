@@ -3,6 +3,7 @@
 #include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -37,35 +38,46 @@ struct ConsoleJobs {
   StepJob steps;
 };
 
+/// Who gave an order, and the stops of the cell that were known there.
+struct Sender {
+  std::string client;
+  StopsKnown stops{0};
+};
+
 /// Does what pages and programs order, and lets one of them at a time move the cell. An order is
 /// the body of a request, which is an object. All functions may be called from any thread.
 class ConsoleOrders {
  public:
   using Json = nlohmann::ordered_json;
-  /// Answers an order of a client.
-  using Act = Json (ConsoleOrders::*)(const Json& body, const std::string& client);
+  /// Answers an order.
+  using Act = Json (ConsoleOrders::*)(const Json& body, const Sender& sender);
 
   /// All must outlive it.
   ConsoleOrders(StateBoard& board, CellWorker& worker, ConsoleJobs& jobs)
       : board_(board), worker_(worker), jobs_(jobs) {}
 
-  Json take_floor(const Json& body, const std::string& client);
-  Json stop(const Json& body, const std::string& client);
-  Json command(const Json& body, const std::string& client);
-  Json jog(const Json& body, const std::string& client);
-  Json keep(const Json& body, const std::string& client);
-  Json load_targets(const Json& body, const std::string& client);
-  Json run(const Json& body, const std::string& client);
-  Json go(const Json& body, const std::string& client);
-  Json check(const Json& body, const std::string& client);
-  Json record(const Json& body, const std::string& client);
-  Json load_path(const Json& body, const std::string& client);
-  Json follow(const Json& body, const std::string& client);
-  Json certify(const Json& body, const std::string& client);
-  Json answer(const Json& body, const std::string& client);
-  Json confirm(const Json& body, const std::string& client);
-  Json experiment(const Json& body, const std::string& client);
-  Json step(const Json& body, const std::string& client);
+  /// Returns who sends an order that comes now; `stops` are those that it says to know of.
+  Sender sender(const std::string& client, std::optional<StopsKnown> stops) const {
+    return {client, worker_.stops_known(stops)};
+  }
+
+  Json take_floor(const Json& body, const Sender& sender);
+  Json stop();
+  Json command(const Json& body, const Sender& sender);
+  Json jog(const Json& body, const Sender& sender);
+  Json keep(const Json& body, const Sender& sender);
+  Json load_targets(const Json& body, const Sender& sender);
+  Json run(const Json& body, const Sender& sender);
+  Json go(const Json& body, const Sender& sender);
+  Json check(const Json& body, const Sender& sender);
+  Json record(const Json& body, const Sender& sender);
+  Json load_path(const Json& body, const Sender& sender);
+  Json follow(const Json& body, const Sender& sender);
+  Json certify(const Json& body, const Sender& sender);
+  Json answer(const Json& body, const Sender& sender);
+  Json confirm(const Json& body, const Sender& sender);
+  Json experiment(const Json& body, const Sender& sender);
+  Json step(const Json& body, const Sender& sender);
 
  private:
   /// Gives a free floor to the client. Throws CellBusy when another one has it.

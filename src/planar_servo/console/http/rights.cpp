@@ -71,13 +71,14 @@ bool ConsoleSite::is_own(const std::string& host) const {
 }
 
 std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
+  const Right right = right_of(head);
+  if (head.method == "POST" && head.path == kStop && right != Right::kNone) return std::nullopt;
   if (!site_.is_own(head.host))
     return Denial{403, {fmt::format("the host is '{}'", head.host), "open " + address(), "Host"}};
   if (!head.origin.empty() && head.origin != site_.scheme() + "://" + head.host)
     return Denial{403,
                   {fmt::format("'{}' is another site", head.origin),
                    "only the console's own page may ask", "Origin"}};
-  const Right right = right_of(head);
   if (right == Right::kNone)
     return Denial{401, {"no right to read", "open the address that planar-console has printed"}};
   if (head.method == "GET" || head.method == "HEAD") return std::nullopt;
@@ -87,7 +88,7 @@ std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
     return Denial{403,
                   {fmt::format("is '{}'", head.content_type), std::string("send ") + kJsonType,
                    "Content-Type"}};
-  if (right != Right::kOperate && head.path != kStop)
+  if (right != Right::kOperate)
     return Denial{403,
                   {"this token may read only",
                    "open the address for operating, which "

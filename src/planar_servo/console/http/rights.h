@@ -52,7 +52,8 @@ struct ConsoleSite {
 
 /// Decides which requests to a console are answered. A page of another site that
 /// the user's browser shows can send none of them: it has neither the name of this host nor its
-/// cookie, and cannot set the header X-Planar-Client.
+/// cookie, and cannot set the header X-Planar-Client. A stop is taken by whatever way from whoever
+/// shows a token.
 class Gatekeeper {
  public:
   Gatekeeper(ConsoleSite site, Tokens tokens)

@@ -24,14 +24,22 @@ async function answerOf(request) {
   throw new Refusal({fault: `planar-console answers ${response.status}`, ...answer}, response.status);
 }
 
+let stops = 0;  // that the page knows of: what it ordered before another one does not begin
+
+/// Takes what the server says of the stops of the cell.
+export const heedStops = answer => {
+  if (answer.stops !== undefined) stops = answer.stops;
+  return answer;
+};
+
 export const ask = path => answerOf(fetch(path));
 
 export const tell = (path, body = {}) => answerOf(fetch(path, {
   method: "POST",
   keepalive: path === "/api/stop",  // outlives the page
-  headers: {"Content-Type": "application/json", "X-Planar-Client": client},
+  headers: {"Content-Type": "application/json", "X-Planar-Client": client, "X-Planar-Stops": stops},
   body: JSON.stringify(body),
-}));
+})).then(heedStops);
 
 const SILENCE_MS = 3000;  // the server sends a state every second
 const RETRY_MS = 1500;
@@ -60,7 +68,7 @@ export function follow(handlers, begin, lost) {
     for (const [name, handle] of Object.entries(handlers))
       stream.addEventListener(name, event => {
         heard();
-        handle(JSON.parse(event.data));
+        handle(heedStops(JSON.parse(event.data)));
       });
     heard();
   }
