@@ -24,7 +24,9 @@ cv::Mat draw_lamps() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const cv::Mat image = argc > 1 ? cv::imread(argv[1], cv::IMREAD_GRAYSCALE) : draw_lamps();
+  // Pixels are those of the sensor, whatever a tag says of how a picture is to be shown.
+  constexpr int kAsTheSensor = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
+  const cv::Mat image = argc > 1 ? cv::imread(argv[1], kAsTheSensor) : draw_lamps();
   if (image.empty()) {
     std::fprintf(stderr, "%s is no picture that OpenCV can read\n", argv[1]);
     return 2;

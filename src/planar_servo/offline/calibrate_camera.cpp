@@ -9,13 +9,12 @@
 
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/io/status_line.h"
-#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 
-cv::Mat read_grey(const std::filesystem::path& file, Faults& faults) {
-  cv::Mat image = read_grey_image(file);
+cv::Mat read_grey(const PictureSet& set, const std::filesystem::path& file, Faults& faults) {
+  cv::Mat image = set.read(file);
   if (image.empty())
     faults.add(
         {"cannot be read to its end as an image", "a picture such as PNG or PGM is needed", file});
@@ -100,11 +99,14 @@ cv::Size size_around(const std::vector<Eigen::Vector2d>& pixels) {
 
 BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board) {
   const std::vector<Picture> pictures = pictures_of(images);
+  std::vector<std::filesystem::path> files;
+  for (const Picture& picture : pictures) files.push_back(picture.path);
+  const PictureSet set(files);
   ProgressBar progress("boards");
   BoardViews views;
   Faults faults;
   for (const Picture& picture : pictures) {
-    const cv::Mat image = read_grey(picture.path, faults);
+    const cv::Mat image = read_grey(set, picture.path, faults);
     if (image.empty()) continue;
     views.inputs.push_back(picture.path);
     add_picture(picture, image, board, views);

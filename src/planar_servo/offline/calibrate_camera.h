@@ -8,12 +8,13 @@
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/offline/grey_image.h"
 
 namespace planar {
 
 /// Reads an image as 8-bit grey levels. When it cannot be read, the result is empty and a fault
 /// names the file.
-cv::Mat read_grey(const std::filesystem::path& file, Faults& faults);
+cv::Mat read_grey(const PictureSet& set, const std::filesystem::path& file, Faults& faults);
 
 /// Finds the board in an image whose first pixel is pixel `corner_px` of the sensor. The pixels
 /// found are those of the sensor. See find_board().

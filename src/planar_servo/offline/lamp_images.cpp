@@ -2,9 +2,21 @@
 
 #include <fmt/format.h>
 
-#include "planar_servo/offline/grey_image.h"
+#include <utility>
 
 namespace planar {
+namespace {
+
+std::vector<LampImage> as_one_set(std::vector<LampImage> images) {
+  std::vector<std::filesystem::path> files;
+  files.reserve(images.size());
+  for (const LampImage& image : images) files.push_back(image.file);
+  const auto set = std::make_shared<const PictureSet>(files);
+  for (LampImage& image : images) image.set = set;
+  return images;
+}
+
+}  // namespace
 
 std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
                                            const std::vector<FrameRow>& frames,
@@ -21,7 +33,7 @@ std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
     if (arm && !image.shows_board) image.commanded = arm->forward(frame.theta);
     images.push_back(std::move(image));
   }
-  return images;
+  return as_one_set(std::move(images));
 }
 
 std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& files) {
@@ -33,7 +45,7 @@ std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& f
     image.file = file;
     images.push_back(std::move(image));
   }
-  return images;
+  return as_one_set(std::move(images));
 }
 
 LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px) {
@@ -42,7 +54,7 @@ LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Si
     read.status = LampStatus::kBoardView;
     return read;
   }
-  read.frame.image = read_grey_image(image.file);
+  read.frame.image = image.set->read(image.file);
   if (read.frame.image.empty()) {
     read.status = LampStatus::kUnreadable;
     return read;

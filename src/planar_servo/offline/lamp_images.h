@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "planar_servo/core/pose.h"
 #include "planar_servo/devices/frame_source.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
@@ -20,9 +22,10 @@ struct LampImage {
   std::string name;  ///< the image's name in tables
   std::filesystem::path file;
   std::optional<double> t_s;
-  std::optional<cv::Rect> region_px;  ///< its place on the sensor; empty: at the origin
-  std::optional<TipPose> commanded;   ///< commanded pose, base frame
-  bool shows_board{false};            ///< shows a calibration board instead of the lamps
+  std::optional<cv::Rect> region_px;        ///< its place on the sensor; empty: at the origin
+  std::optional<TipPose> commanded;         ///< commanded pose, base frame
+  bool shows_board{false};                  ///< shows a calibration board instead of the lamps
+  std::shared_ptr<const PictureSet> set{};  ///< to which it belongs
 };
 
 /// Lists the images of a recording. They have their commanded poses when the arm is given.

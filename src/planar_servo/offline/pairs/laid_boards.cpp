@@ -94,10 +94,14 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
                                        const CameraModel& camera, const Board& board) {
   Faults faults;
   std::vector<LaidBoard> boards;
+  std::vector<std::filesystem::path> files;
+  for (const FrameRow& frame : frames)
+    if (frame.plan == Plan::kLaidBoard) files.push_back(recording / frame.image);
+  const PictureSet set(files);
   for (const FrameRow& frame : frames) {
     if (frame.plan != Plan::kLaidBoard) continue;
     const std::filesystem::path file = recording / frame.image;
-    const cv::Mat image = read_grey(file, faults);
+    const cv::Mat image = read_grey(set, file, faults);
     if (image.empty()) continue;
     const BoardSight sight = find_board_on_sensor(image, frame.region_px.tl(), board);
     const auto pose = sight.found() ? estimate_board_pose(camera, board_points(board), sight.pixels)
