@@ -69,7 +69,10 @@ TEST_CASE("Every lens model comes back bit for bit from camera_info files or fro
     INFO(lens_model_name(camera));
     const bool is_visp = camera.as<VispModel>();
     const auto path = folder / (is_visp ? "camera.xml" : "camera.yaml");
-    write_camera(path, sample(camera, lens_model_name(camera)), "test", {});
+    CameraCalibration calibration = sample(camera, lens_model_name(camera));
+    calibration.width_px = static_cast<int>(2.0 * intrinsics(camera).cx);
+    calibration.height_px = static_cast<int>(2.0 * intrinsics(camera).cy);
+    write_camera(path, calibration, "test", {});
     const Eigen::Vector3d p_C(0.1, -0.2, 1.0);
     CHECK(project(read_camera(path).camera, p_C).value() == project(camera, p_C).value());
   }
@@ -228,6 +231,98 @@ TEST_CASE("A file of OpenCV's that lacks a part or has another lens is refused b
       write_camera(folder / "fisheye.yml",
                    sample(KannalaBrandt{kIntrinsics, 0.01, 0, 0, 0}, "equidistant"), "test", {}),
       Contains("has no model equidistant"));
+}
+
+/// Reads a text as a camera file.
+CameraRecord read_text(const std::string& name, const std::string& text) {
+  const test::TemporaryFolder folder;
+  return read_camera(folder.write(name, text));
+}
+
+TEST_CASE(
+    "Camera files of ROS messages, Kalibr, mrcal and OpenCV's capitals are read as what they are") {
+  const std::vector<CameraRecord> records{
+      read_text("info.yaml",
+                "height: 480\nwidth: 640\ndistortion_model: plumb_bob\nD: [-0.1, 0.01, 0.001, "
+                "0.002, 0.0]\n"
+                "K: [500.0, 0, 320, 0, 501, 240, 0, 0, 1]\nP: [480, 0, 321, 0, 0, 482, 238, 0, 0, "
+                "0, 1, 0]\n"
+                "binning_x: 0\nroi: {x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: "
+                "false}\n"),
+      read_text("info2.yaml",
+                "height: 480\nwidth: 640\ndistortion_model: plumb_bob\nd: [-0.1, 0.01, 0.001, "
+                "0.002, 0.0]\n"
+                "k: [500.0, 0, 320, 0, 501, 240, 0, 0, 1]\n"),
+      read_text("camchain.yaml",
+                "cam0:\n  cam_overlaps: []\n  camera_model: pinhole\n  distortion_coeffs: [-0.1, "
+                "0.01, 0.001, 0.002]\n"
+                "  distortion_model: radtan\n  intrinsics: [500.0, 501.0, 320.0, 240.0]\n  "
+                "resolution: [640, 480]\n"),
+      read_text("a.cameramodel",
+                "{\n  'lensmodel': 'LENSMODEL_OPENCV5',  # mrcal\n"
+                "  'intrinsics': [ 500.0, 501.0, 320.0, 240.0, -0.1, 0.01, 0.001, 0.002, 0 ],\n"
+                "  'extrinsics': [ 0,0,0,0,0,0 ],\n  'imagersize': [ 640, 480 ]\n}\n"),
+      read_text("f.yml",
+                "%YAML:1.0\n---\nimage_Width: 640\nimage_Height: 480\nCamera_Matrix: "
+                "!!opencv-matrix\n   rows: 3\n"
+                "   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]\n"
+                "Distortion_Coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n"
+                "   data: [ -0.1, 0.01, 0.001, 0.002, 0. ]\n")};
+  for (const CameraRecord& record : records) {
+    CHECK(record.width_px == 640);
+    CHECK(record.height_px == 480);
+    CHECK(lens_model_name(record.camera) == "plumb_bob");
+    const Intrinsics k = intrinsics(record.camera);
+    CHECK((k.fx == 500.0 && k.fy == 501.0 && k.cx == 320.0 && k.cy == 240.0));
+    CHECK(distortion_coefficients(record.camera) ==
+          std::vector<double>{-0.1, 0.01, 0.001, 0.002, 0.0});
+  }
+}
+
+TEST_CASE("A fisheye camera of OpenCV is one") {
+  const CameraRecord record = read_text(
+      "fish.yml",
+      "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\nfisheye_model: 1\ncamera_matrix: "
+      "!!opencv-matrix\n"
+      "   rows: 3\n   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]\n"
+      "distortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   dt: d\n"
+      "   data: [ 0.01, -0.02, 0.03, -0.04 ]\n");
+  CHECK(lens_model_name(record.camera) == "equidistant");
+}
+
+TEST_CASE("A camera file of another picture than the whole sensor's is refused for what it is") {
+  const auto changed = [](const std::string& from, const std::string& to) {
+    std::string text = kRosFile;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  const std::string matrix = "[500., 0., 320., 0., 501., 240., 0., 0., 1.]";
+  const std::string projection =
+      "projection_matrix:\n  rows: 3\n  cols: 4\n  data: [1000, 0, 640, 0, 0, 1002, 480, 0, 0, 0, "
+      "1, 0]\n";
+  for (const auto& [text, says] : std::vector<std::pair<std::string, std::string>>{
+           {changed(matrix, "[500, 0, 0, 0, 501, 0, 320, 240, 1]"), "is transposed"},
+           {changed(matrix, "[500, 0, 320, 0, 0, 501, 240, 0, 0]"), "no camera's"},
+           {changed(matrix, "[500, 2, 320, 0, 501, 240, 0, 0, 1]"), "skew"},
+           {changed(matrix, "[500, 0, 620, 0, 501, 240, 0, 0, 1]"), "different sizes"},
+           {kRosFile + projection, "pictures of different sizes"},
+           {kRosFile + std::string("binning_x: 2\n"), "without binning"},
+           {kRosFile + std::string("roi: {x_offset: 320, y_offset: 0, do_rectify: false}\n"),
+            "region of the sensor"},
+           {changed("cols: 5\n  data: [-0.1, 0.01, 0.001, 0.002, 0.0]",
+                    "cols: 8\n  data: [1, 1, 0, 0, 0, 1, 1, 1]"),
+            "8 are those of rational_polynomial"},
+           {"cam0:\n  camera_model: omni\n  distortion_model: none\n  intrinsics: [1, 500, 501, "
+            "320]\n  resolution: [640, 480]\n",
+            "camera_model is 'omni'; allowed are pinhole"}}) {
+    INFO(text);
+    CHECK_THROWS_WITH(read_text("camera.yaml", text), Contains(says));
+  }
+  CHECK_THROWS_WITH(
+      read_text("a.xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n</opencv_storage>\n"),
+      Contains("FileStorage") && Contains(".yml"));
+  CHECK_THROWS_WITH(read_text("b.xml", "<root><camera></camera><camera></camera></root>"),
+                    Contains("several cameras"));
 }
 
 }  // namespace planar

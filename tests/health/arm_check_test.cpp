@@ -101,6 +101,14 @@ TEST_CASE("The first moves name what is wrong with an arm, and how much") {
   }
 }
 
+TEST_CASE("No gear is said to turn a joint as far as none does") {
+  SoundCell cell(3);
+  cell.model.gears[2] = 44.0;
+  const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
+  REQUIRE_FALSE(found.empty());
+  CHECK(found[0].cause != Cause::kGear3);
+}
+
 TEST_CASE("Degrees taken for radians are named as a gear ratio") {
   SoundCell cell(3);
   cell.model.gears[2] = kDegree;

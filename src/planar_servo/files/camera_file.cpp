@@ -4,6 +4,7 @@
 #include <visp3/core/vpXmlParserCamera.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <locale>
 #include <opencv2/core.hpp>
@@ -24,13 +25,6 @@ std::vector<double> plumb_bob_or_more(const CameraModel& camera) {
   std::vector<double> coefficients = distortion_coefficients(camera);
   if (coefficients.empty()) coefficients.assign(5, 0.0);
   return coefficients;
-}
-
-/// Returns the elements of a matrix: `size` of them, or any number when `size` is 0.
-std::vector<double> read_matrix(YamlReader& reader, const std::string& key, std::size_t size) {
-  std::vector<double> elements;
-  reader.map(key, [&] { reader.numbers("data", elements, size); });
-  return elements;
 }
 
 /// Adds a matrix as ROS writes it: {rows, cols, data}.
@@ -92,37 +86,83 @@ std::string camera_yaml(const CameraCalibration& calibration, const std::string&
   return writer.text();
 }
 
+/// What a camera file says, whatever its form: K row by row, and the projection of what a
+/// rectifying program would show, if the file has one.
+struct Stated {
+  int width_px{0}, height_px{0};
+  std::string model;
+  std::vector<double> K, coefficients, P;
+  std::string key;  ///< of what K comes from
+};
+
 /// Adds a fault for a list of coefficients that is too long or was cut short. Other programs leave
 /// out all of an undistorted lens, k3 of the plumb-bob and the tilt of opencv_14.
-void check_count(YamlReader& reader, std::size_t count, const std::string& model) {
-  const std::size_t all = distortion_coefficients(make_camera_model(model, {}, {})).size();
-  const bool without_k3 = model == "plumb_bob" && count == 4;
-  const bool without_tilt = model == "opencv_14" && count == 12;
-  reader.check(count == 0 || count == all || without_k3 || without_tilt,
-               {fmt::format("lens model {} has {} coefficients, not {}", model, all, count)},
-               "distortion_coefficients");
+void check_count(YamlReader& reader, const Stated& stated) {
+  const std::size_t count = stated.coefficients.size();
+  const std::size_t all = distortion_coefficients(make_camera_model(stated.model, {}, {})).size();
+  const bool without_k3 = stated.model == "plumb_bob" && count == 4;
+  const bool without_tilt = stated.model == "opencv_14" && count == 12;
+  const bool rational = stated.model == "plumb_bob" && count == 8;
+  reader.check(
+      count == 0 || count == all || without_k3 || without_tilt,
+      {fmt::format("lens model {} has {} coefficients, not {}", stated.model, all, count),
+       rational ? "8 are those of rational_polynomial: write that as distortion_model" : ""},
+      "distortion_coefficients");
 }
 
-CameraRecord read_camera_yaml(const std::filesystem::path& path) {
-  constexpr int kMaxPixels = 1000000;  // of an image side
-  YamlReader reader(path);
-  CameraRecord record;
-  reader.whole_number("image_width", record.width_px, 1, kMaxPixels);
-  reader.whole_number("image_height", record.height_px, 1, kMaxPixels);
-  std::string model;
-  reader.choice("distortion_model", model, ros_models());
-  const std::vector<double> K = read_matrix(reader, "camera_matrix", 9);
-  const std::vector<double> coefficients = read_matrix(reader, "distortion_coefficients", 0);
-  reader.throw_if_faulty();
-  check_count(reader, coefficients.size(), model);
-  reader.throw_if_faulty();
-  try {
-    record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);
-  } catch (const InputError& error) {
-    reader.check(false, error.refusal(), "camera_matrix");
-  }
-  reader.throw_if_faulty();
-  return record;
+/// Checks that a matrix is one of a camera that sends the whole picture of its sensor.
+void check_matrix(YamlReader& reader, const Stated& stated) {
+  const std::vector<double>&K = stated.K, &P = stated.P;
+  const auto check = [&](bool kept, const char* fault, const char* remedy) {
+    return reader.check(kept, {fault, remedy}, stated.key);
+  };
+  const bool turned = K[2] == 0.0 && K[5] == 0.0 && K[6] != 0.0;
+  if (!check(!turned, "the matrix is transposed", "write it row by row: fx 0 cx, 0 fy cy, 0 0 1") ||
+      !check(K[1] == 0.0, "the matrix has a skew, which no model here has",
+             "calibrate the camera again without it") ||
+      !check(K[3] == 0.0 && K[6] == 0.0 && K[7] == 0.0 && K[8] == 1.0, "the matrix is no camera's",
+             "write it row by row: fx 0 cx, 0 fy cy, 0 0 1"))
+    return;
+  const auto is_mid = [](double at, int size) { return std::abs(at - 0.5 * size) <= 0.25 * size; };
+  check(is_mid(K[2], stated.width_px) && is_mid(K[5], stated.height_px),
+        "the centre is far from the middle of the picture: they are of different sizes, or of a "
+        "region",
+        "name the size of the picture that the matrix is for; for a region, calibrate whole "
+        "pictures");
+  if (P.size() != 12) return;
+  constexpr double kSame = 0.01;
+  const double ratio = P[0] / K[0];
+  const bool scaled =
+      std::abs(ratio - 1.0) > kSame && std::abs(P[5] / K[4] / ratio - 1.0) < kSame &&
+      std::abs(P[2] / K[2] / ratio - 1.0) < kSame && std::abs(P[6] / K[5] / ratio - 1.0) < kSame;
+  check(!scaled, "matrix and projection are of pictures of different sizes",
+        "make both at the size that the camera sends");
+}
+
+/// Refuses what makes a file one of another picture than that of the whole sensor.
+void check_picture(YamlReader& reader) {
+  int binning = 0;
+  for (const char* key : {"binning_x", "binning_y"})
+    if (reader.given(key)) {
+      reader.whole_number(key, binning, 0);
+      reader.check(binning <= 1,
+                   {fmt::format("{} is {}: the matrix is not of the pictures sent", key, binning),
+                    "calibrate the camera as it is used, without binning"},
+                   key);
+    }
+  if (!reader.given("roi")) return;
+  reader.map("roi", [&] {
+    int offset = 0;
+    for (const char* key : {"x_offset", "y_offset"}) {
+      if (!reader.given(key)) continue;
+      reader.whole_number(key, offset, 0);
+      reader.check(offset == 0,
+                   {fmt::format("{} is {}: the file is of a region of the sensor", key, offset),
+                    "calibrate whole pictures"},
+                   key);
+    }
+    reader.allow_rest();
+  });
 }
 
 const char* opencv_model_of(std::size_t coefficients, YamlReader& reader) {
@@ -135,26 +175,115 @@ const char* opencv_model_of(std::size_t coefficients, YamlReader& reader) {
   return "plumb_bob";
 }
 
-/// Reads a file of cv::FileStorage, whose parts are named as OpenCV's calibration sample names
-/// them: image_width, image_height, camera_matrix, distortion_coefficients (4 or 5, 8 of the
-/// rational model, 12 or 14 with thin prism and tilt). OpenCV's own reader is not used: it loops
-/// and overflows the stack on files made to that end.
-CameraRecord read_camera_opencv(const std::filesystem::path& path) {
+std::vector<double> matrix_of(double fx, double fy, double cx, double cy) {
+  return {fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0};
+}
+
+constexpr int kMaxPixels = 1000000;  // of an image side
+
+/// Reads a list of width and height.
+void read_size(YamlReader& reader, const char* key, Stated& stated) {
+  std::vector<double> size;
+  reader.numbers(key, size, 2, 1.0, Range::whole(1, kMaxPixels));
+  if (size.size() != 2) return;
+  stated.width_px = static_cast<int>(size[0]);
+  stated.height_px = static_cast<int>(size[1]);
+}
+
+/// Reads the one camera of a camchain of Kalibr.
+void read_kalibr(YamlReader& reader, Stated& stated) {
+  reader.check(!reader.given("cam1"), {"holds several cameras", "keep that of the cell"}, "cam1");
+  reader.map("cam0", [&] {
+    std::string projection, distortion;
+    reader.choice("camera_model", projection, {"pinhole"});
+    reader.choice("distortion_model", distortion, {"radtan", "equidistant", "none"});
+    stated.model = distortion == "equidistant" ? "equidistant" : "plumb_bob";
+    std::vector<double> k;
+    reader.numbers("intrinsics", k, 4);
+    if (k.size() == 4) stated.K = matrix_of(k[0], k[1], k[2], k[3]);
+    stated.key = "intrinsics";
+    if (distortion != "none") reader.numbers("distortion_coeffs", stated.coefficients, 4);
+    read_size(reader, "resolution", stated);
+  });
+}
+
+/// Reads a camera model of mrcal.
+void read_mrcal(YamlReader& reader, Stated& stated) {
+  std::string model;
+  reader.choice("lensmodel", model,
+                {"LENSMODEL_PINHOLE", "LENSMODEL_OPENCV4", "LENSMODEL_OPENCV5", "LENSMODEL_OPENCV8",
+                 "LENSMODEL_OPENCV12"});
+  read_size(reader, "imagersize", stated);
+  std::vector<double> all;
+  reader.numbers("intrinsics", all, 0);
+  reader.check(all.size() >= 4, {"has no focal lengths and centre", ""}, "intrinsics");
+  reader.throw_if_faulty();
+  stated.K = matrix_of(all[0], all[1], all[2], all[3]);
+  stated.key = "intrinsics";
+  stated.coefficients.assign(all.begin() + 4, all.end());
+  stated.model = all.size() == 4 ? "plumb_bob" : opencv_model_of(all.size() - 4, reader);
+}
+
+/// Reads a CameraInfo message of ROS; ROS 2 writes the names of its matrices small.
+void read_camera_info(YamlReader& reader, Stated& stated) {
+  const bool capitals = reader.given("K");
+  reader.whole_number("width", stated.width_px, 1, kMaxPixels);
+  reader.whole_number("height", stated.height_px, 1, kMaxPixels);
+  reader.choice("distortion_model", stated.model, ros_models());
+  stated.key = capitals ? "K" : "k";
+  reader.numbers(stated.key, stated.K, 9);
+  reader.numbers(capitals ? "D" : "d", stated.coefficients, 0);
+  if (const char* key = capitals ? "P" : "p"; reader.given(key)) reader.numbers(key, stated.P, 12);
+}
+
+/// Reads a calibration as ROS writes it, or OpenCV (`cv::FileStorage`): the keys of the latter may
+/// have capitals, and its model follows from the number of coefficients. OpenCV's own reader is not
+/// used: it loops and overflows the stack on files made to that end.
+void read_calibration(YamlReader& reader, bool is_opencv, Stated& stated) {
+  const auto key = [&](const char* usual, const char* capital) {
+    return is_opencv && reader.given(capital) ? capital : usual;
+  };
+  const auto matrix = [&](const char* name, std::vector<double>& elements, std::size_t size) {
+    reader.map(name, [&] { reader.numbers("data", elements, size); });
+  };
+  reader.whole_number(key("image_width", "image_Width"), stated.width_px, 1, kMaxPixels);
+  reader.whole_number(key("image_height", "image_Height"), stated.height_px, 1, kMaxPixels);
+  if (!is_opencv) reader.choice("distortion_model", stated.model, ros_models());
+  stated.key = key("camera_matrix", "Camera_Matrix");
+  matrix(stated.key.c_str(), stated.K, 9);
+  matrix(key("distortion_coefficients", "Distortion_Coefficients"), stated.coefficients, 0);
+  if (reader.given("projection_matrix")) matrix("projection_matrix", stated.P, 12);
+  reader.throw_if_faulty();
+  if (!is_opencv) return;
+  int fisheye = 0;
+  if (reader.given("fisheye_model")) reader.whole_number("fisheye_model", fisheye, 0, 1);
+  stated.model = fisheye == 1 ? "equidistant" : opencv_model_of(stated.coefficients.size(), reader);
+}
+
+CameraRecord read_camera_yaml(const std::filesystem::path& path, bool is_opencv) {
   YamlReader reader(path);
-  CameraRecord record;
-  reader.whole_number("image_width", record.width_px, 1);
-  reader.whole_number("image_height", record.height_px, 1);
-  std::vector<double> K = read_matrix(reader, "camera_matrix", 9);
-  std::vector<double> coefficients = read_matrix(reader, "distortion_coefficients", 0);
+  Stated stated;
+  if (reader.given("cam0"))
+    read_kalibr(reader, stated);
+  else if (reader.given("lensmodel"))
+    read_mrcal(reader, stated);
+  else if (reader.given("K") || reader.given("k"))
+    read_camera_info(reader, stated);
+  else
+    read_calibration(reader, is_opencv, stated);
+  check_picture(reader);
   reader.throw_if_faulty();
-  const char* const model = opencv_model_of(coefficients.size(), reader);
+  check_count(reader, stated);
+  check_matrix(reader, stated);
   reader.throw_if_faulty();
-  if (coefficients.size() == 4) coefficients.push_back(0.0);
+  const std::vector<double>& K = stated.K;
+  CameraRecord record{{}, stated.width_px, stated.height_px};
   try {
-    record.camera = make_camera_model(model, {K[0], K[4], K[2], K[5]}, coefficients);
-  } catch (const InputError& e) {
-    throw InputError(e.refusal().at(path));
+    record.camera = make_camera_model(stated.model, {K[0], K[4], K[2], K[5]}, stated.coefficients);
+  } catch (const InputError& error) {
+    reader.check(false, error.refusal(), stated.key);
   }
+  reader.throw_if_faulty();
   return record;
 }
 
@@ -210,6 +339,12 @@ CameraRecord record_from(const vpXmlParserCamera& parser, const vpCameraParamete
 /// Reads the first camera of a file in the form of ViSP's vpXmlParserCamera: with distortion when
 /// the file has that model, else without.
 CameraRecord read_camera_xml(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  if (text.find("<opencv_storage>") != text.npos)
+    throw InputError({"is an XML file of OpenCV's FileStorage",
+                      "write it again to a file named .yml, which is read", path});
+  if (constexpr std::string_view kCamera = "<camera>"; text.find(kCamera) != text.rfind(kCamera))
+    throw InputError({"holds several cameras", "keep the one of the cell's picture size", path});
   const std::string name = camera_name_in(path);
   for (const auto model : {vpCameraParameters::perspectiveProjWithDistortion,
                            vpCameraParameters::perspectiveProjWithoutDistortion}) {
@@ -258,7 +393,7 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
 CameraRecord read_camera(const std::filesystem::path& path) {
   if (path.extension() == ".xml") return read_camera_xml(path);
   const std::string text = read_file(path);
-  return text.rfind("%YAML:1.0", 0) == 0 ? read_camera_opencv(path) : read_camera_yaml(path);
+  return read_camera_yaml(path, text.rfind("%YAML:1.0", 0) == 0);
 }
 
 void require_camera_name(const std::filesystem::path& path) {

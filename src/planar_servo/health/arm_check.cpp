@@ -196,8 +196,24 @@ struct Explanation {
   ArmFit fit;
 };
 
+/// Returns whether a joint would turn so many times as far as commanded as no mistaken gear makes
+/// it, but for one in degrees instead of radians: something else is wrong then.
+bool is_absurd(const Explanation& explanation) {
+  constexpr double kMost = 30.0, kDegreesShare = 0.005;
+  const Suspect* const suspect = explanation.supposed.suspect;
+  if (suspect == nullptr || suspect->numbers.size() != 1) return false;
+  const int number = suspect->numbers[0];
+  if (number < kGearOff || number >= kLinkOff) return false;
+  const double times = std::abs(1.0 + explanation.fit.off[number]);
+  return times > kMost && std::abs(times * kDegree - 1.0) > kDegreesShare;
+}
+
 HealthFinding finding_of(const Explanation& explanation, const CellModel& as_filed, double cost_m) {
   const Supposition& supposed = explanation.supposed;
+  if (is_absurd(explanation))
+    return {Cause::kSeveral, mm(cost_m), "mm", cost_m,
+            "nothing that may be wrong with the arm explains what is seen; is the camera file that "
+            "of this camera, for whole pictures of this size?"};
   if (supposed.suspect != nullptr) {
     Numbers off = explanation.fit.off;
     // A tool of equal lamps looks the same after half a turn.
