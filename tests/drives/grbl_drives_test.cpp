@@ -1,7 +1,10 @@
 #include "planar_servo/drives/grbl_drives.h"
 
+#include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <random>
+#include <thread>
 
 #include "planar_servo/drives/drive_kinds.h"
 #include "support/eventually.h"
@@ -181,7 +184,10 @@ TEST_CASE("A search that finds no switch says so") {
   drives.energize();
   drives.start_homing(2, HomeDirection::kForward);
   REQUIRE(eventually([&] { return !drives.status()[2].homing; }));
-  CHECK_THAT(drives.status()[0].faults.at(0), Contains("alarm 9: no home switch was found"));
+  const std::vector<std::string> faults = drives.status()[0].faults;
+  CHECK_THAT(faults.at(0), Contains("alarm 9: no home switch was found"));
+  CHECK(std::find(faults.begin(), faults.end(), "it was reset, or lost power for a moment") ==
+        faults.end());
   CHECK_FALSE(drives.status()[2].position_certain);
   CHECK_FALSE(drives.status()[2].moving);
 }
@@ -197,6 +203,44 @@ TEST_CASE("A board whose settings differ is not opened and does not move") {
 TEST_CASE("Two programs do not share a port") {
   ReadyBench bench;
   CHECK_THROWS_WITH(GrblDrives(bench.settings), Contains("is in use by another program"));
+}
+
+TEST_CASE("A program that reads the port, whatever locks it heeds, is named") {
+  GrblBench bench;
+  const test::PortReader cat(bench.settings.port);
+  CHECK_THROWS_WITH(
+      GrblDrives(bench.settings),
+      Contains("is in use by another program: " + cat.name()) && Contains("end that program"));
+}
+
+TEST_CASE("A board that starts slowly, and says so, is waited for") {
+  GrblBench bench;
+  bench.board.be_silent(true);
+  std::thread board([&] {
+    for (int i = 0; i < 12; ++i) {
+      bench.board.say("ets Jun  8 2016 00:22:57\r\n\r\nrst:0x1 (POWERON_RESET),boot:0x13\r\n");
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    }
+    bench.board.be_silent(false);
+  });
+  CHECK_NOTHROW(GrblDrives(bench.settings));
+  board.join();
+}
+
+TEST_CASE("A board with other firmware is named, whether it greets or must be asked") {
+  GrblBench bench;
+  bench.board.be_silent(true);
+  std::atomic<bool> ending{false};
+  std::thread board([&] {
+    while (!ending) {
+      bench.board.say(
+          "FIRMWARE_NAME:Marlin 2.1.2 (Dec 17 2022) SOURCE_CODE_URL:github.com\r\nok\r\n");
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+  });
+  CHECK_THROWS_WITH(GrblDrives(bench.settings), Contains("has Marlin, which is not supported"));
+  ending = true;
+  board.join();
 }
 
 TEST_CASE("A port that is absent, silent or not a board's is refused with the remedy") {
@@ -216,6 +260,15 @@ TEST_CASE("The doctor tells a well board from one that differs or is absent") {
   GrblBench bench;
   CHECK(examine_grbl(bench.settings).at(0).verdict == Finding::Verdict::kWell);
   CHECK_THAT(examine_grbl(bench.settings).at(0).what, Contains("Grbl 1.1h"));
+  bench.board.press_limit('Y', true);
+  bench.board.press_limit('P', true);  // a probe stops nothing
+  const std::vector<Finding> pressed = examine_grbl(bench.settings);
+  REQUIRE(pressed.size() == 2);
+  CHECK(pressed[1].verdict == Finding::Verdict::kDoubtful);
+  CHECK(pressed[1].what == "inputs are on at rest: limit Y");
+  CHECK_THAT(pressed[1].remedy, Contains("$5"));
+  bench.board.press_limit('R', true);
+  CHECK(examine_grbl(bench.settings).at(1).what == "inputs are on at rest: limit Y, reset");
   bench.board.set(120, 10.0);
   CHECK(examine_grbl(bench.settings).at(0).verdict == Finding::Verdict::kFaulty);
   CHECK_THAT(examine_grbl(bench.settings).at(0).remedy, Contains("$120=160"));

@@ -1,6 +1,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <functional>
+#include <optional>
 #include <thread>
 
 #include "planar_servo/core/units.h"
@@ -156,6 +157,17 @@ TEST_CASE("A hold by hand stops the arm and keeps its position") {
   CHECK_THAT(bench.failure_of_move([&] { bench.board.press_hold(); }),
              Contains("it has stopped on its way"));
   bench.check_recovery(true);
+}
+
+TEST_CASE("A program that reads the port while the arm moves is named") {
+  BoardRobot bench;
+  std::optional<test::PortReader> cat;
+  const std::string failure = bench.failure_of_move([&] {
+    cat.emplace(bench.settings.port);
+    bench.board.press_hold();
+  });
+  REQUIRE(cat.has_value());
+  CHECK_THAT(failure, Contains("another program has its port open, too") && Contains(cat->name()));
 }
 
 TEST_CASE("A board on hold at rest is resumed when it is switched on again") {

@@ -18,8 +18,6 @@ Kind line_of(const std::string& text) {
   return std::get<Kind>(line);
 }
 
-const Banner kVersion{"Grbl 1.1h", 1.1};
-
 Settings suitable() {
   Settings settings = test::stored_settings();
   for (const int scale : {100, 101, 102}) settings[scale] = 250.0;
@@ -28,7 +26,7 @@ Settings suitable() {
 }
 
 std::string refusal_of(const Settings& settings, HomeReference home = HomeReference::kTaught) {
-  const auto refusal = unfitness(kVersion, settings, test::grbl_settings_of("port", home));
+  const auto refusal = unfitness(settings, test::grbl_settings_of("port", home));
   return refusal ? refusal->text() : "";
 }
 
@@ -141,10 +139,29 @@ TEST_CASE("Home switches that the board does not look for, or elsewhere, are ref
   CHECK_THAT(refusal_of(settings, HomeReference::kReverseSwitch), Contains("$23=7"));
 }
 
-TEST_CASE("Firmware that cannot jog is refused") {
-  const auto refusal = unfitness({"Grbl 0.9j", 0.9}, suitable(), test::grbl_settings_of("port"));
-  REQUIRE(refusal.has_value());
-  CHECK_THAT(refusal->text(), Contains("Grbl 0.9j is too old") && Contains("flash Grbl 1.1"));
+TEST_CASE("Firmware that is not supported is named by what it says, with the way on") {
+  const auto named = [](const std::string& said) {
+    const auto refusal = foreign_firmware(said);
+    return refusal ? refusal->text() : "";
+  };
+  CHECK_THAT(named("Grbl 3.7 [FluidNC v3.7.8 (noradio) '$' for help]\n"),
+             Contains("has FluidNC") && Contains("settings in a file") &&
+                 Contains("is not supported") && Contains("grblHAL"));
+  CHECK_THAT(named("[MSG:Grbl_ESP32 Ver 1.3a Date 20211103]\nGrbl 1.3a ['$' for help]\n"),
+             Contains("has Grbl_ESP32"));
+  CHECK_THAT(named("Grbl 0.9j ['$' for help]\n[0.9j.20160317:]\nok\n"),
+             Contains("has a Grbl before 1.1") && Contains("cannot jog"));
+  CHECK_THAT(named("start\necho:Marlin 2.1.2\n"), Contains("has Marlin"));
+  CHECK_THAT(named("ok\nFIRMWARE_NAME:Smoothieware, FIRMWARE_URL:http\nok\n"),
+             Contains("has Smoothieware"));
+  CHECK_THAT(named(R"({"r":{"fv":0.97,"fb":440.20,"msg":"SYSTEM READY"},"f":[1,0,0]})"),
+             Contains("has TinyG or g2core"));
+  CHECK(named("Grbl 1.1h ['$' for help]\n[VER:1.1h.20190830:]\n[OPT:V,15,128]\nok\n").empty());
+  CHECK(named("GrblHAL 1.1f ['$' or '$HELP' for help]\n[VER:1.1f.20260801:]\n"
+              "[FIRMWARE:grblHAL]\n[DRIVER:ESP32]\nok\n")
+            .empty());
+  CHECK(is_supported(line_of<Banner>("GrblHAL 1.1f ['$' or '$HELP' for help]")));
+  CHECK_FALSE(is_supported(line_of<Banner>("Grbl 1.2h ['$' for help]")));
 }
 
 }  // namespace

@@ -1,8 +1,16 @@
 #pragma once
 
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
 #include <map>
+#include <string>
 
 #include "planar_servo/drives/grbl_drives.h"
+#include "support/eventually.h"
 #include "support/faulty_grbl.h"
 #include "support/temporary_folder.h"
 
@@ -24,6 +32,29 @@ inline std::map<int, double> stored_settings() {
   return {{1, 255},   {25, 3000}, {110, 960}, {111, 960},
           {112, 960}, {120, 160}, {121, 160}, {122, 160}};
 }
+
+/// Another program, `cat`, that has a port open.
+class PortReader {
+ public:
+  explicit PortReader(const std::string& port) : process_(fork()) {
+    if (process_ == 0) {
+      execlp("cat", "cat", port.c_str(), nullptr);
+      _exit(127);
+    }
+    eventually([&] { return std::filesystem::exists(fmt::format("/proc/{}/fd/3", process_)); });
+  }
+  ~PortReader() {
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+  }
+  PortReader(const PortReader&) = delete;
+  PortReader& operator=(const PortReader&) = delete;
+
+  std::string name() const { return fmt::format("cat ({})", process_); }
+
+ private:
+  pid_t process_;
+};
 
 /// An emulated board on a serial port in a folder of its own.
 struct GrblBench {

@@ -104,17 +104,42 @@ void check_braking(Fields& drive, const MotorDrive& motor) {
       "max_speed_deg_s");
 }
 
+/// What the letters of a board's inputs mean, where they keep its motors from turning [Grbl wiki,
+/// Interface; grblHAL wiki, Report extensions].
+constexpr Named<char> kInputs[] = {{'X', "limit X"},     {'Y', "limit Y"},       {'Z', "limit Z"},
+                                   {'D', "safety door"}, {'H', "feed hold"},     {'R', "reset"},
+                                   {'F', "motor fault"}, {'E', "emergency stop"}};
+
+/// Judges the inputs that are on while the board rests.
+std::vector<Finding> examine_inputs(const std::string& on) {
+  std::vector<std::string> names;
+  for (const auto& [letter, name] : kInputs)
+    if (on.find(letter) != std::string::npos) names.emplace_back(name);
+  if (names.empty()) return {};
+  return {
+      {Verdict::kDoubtful, kSubject,
+       fmt::format("inputs are on at rest: {}", fmt::join(names, ", ")),
+       "unless the arm stands at these switches, or somebody presses them: look for a bad "
+       "switch or cable; if they open when pressed, change $5 (limits) or $14 (others, grblHAL)"}};
+}
+
 }  // namespace
 
 std::vector<Finding> examine_grbl(const GrblSettings& settings) {
   try {
-    const GrblBoard board(settings.port, settings.baud);
-    if (const auto unfit = grbl::unfitness(board.version(), board.settings(), settings))
-      return {faulty(kSubject, *unfit, kSeeDrives)};
-    return {{Verdict::kWell, kSubject,
-             fmt::format("{} at {}, with the cell's settings; as after every opening, home it "
-                         "before it moves",
-                         board.version().version, settings.port)}};
+    GrblBoard board(settings.port, settings.baud);
+    const std::string who = fmt::format("{} at {}", board.version().version, settings.port);
+    Finding found{
+        Verdict::kWell, kSubject,
+        who + ", with the cell's settings; as after every opening, home it before it moves"};
+    if (const auto unfit = grbl::unfitness(board.settings(), settings))
+      found = faulty(kSubject, {who + ": " + unfit->fault, unfit->remedy});
+    else if (!grbl::is_supported(board.version()))
+      found = {Verdict::kDoubtful, kSubject, who + ", which is untried here",
+               "turn each joint by planar-jog with nothing in the arm's way"};
+    std::vector<Finding> findings = examine_inputs(board.inputs_on());
+    findings.insert(findings.begin(), found);
+    return findings;
   } catch (const WorkError& error) {
     return {faulty(kSubject, error.refusal(), kSeeDrives)};
   }

@@ -122,8 +122,7 @@ GrblAxes::GrblAxes(const GrblSettings& settings)
     : pulses_per_mm_(scales(settings)),
       watch_(pulses_per_mm_),
       board_(settings.port, settings.baud) {
-  if (const auto unfit = grbl::unfitness(board_.version(), board_.settings(), settings))
-    throw WorkError(*unfit);
+  if (const auto unfit = grbl::unfitness(board_.settings(), settings)) throw WorkError(*unfit);
   spdlog::debug(fmt::format("the board at {} is {}", settings.port, board_.version().version));
 }
 
@@ -142,7 +141,8 @@ void GrblAxes::poll() {
   const double patience_s = may_move_ ? kMovingPatience_s : kAnswerPatience_s;
   silent_s_ = hear_report(patience_s) ? 0.0 : silent_s_ + patience_s;
   if (silent_s_ >= kAnswerPatience_s)
-    throw WorkError(fmt::format("it does not answer within {:g} s", kAnswerPatience_s));
+    throw WorkError(
+        fmt::format("it does not answer within {:g} s{}", kAnswerPatience_s, board_.sharers(": ")));
   if (silent_s_ > 0.0) return;
   judge();
   feed();
@@ -173,10 +173,12 @@ void GrblAxes::take(const grbl::Line& line) {
         fmt::format("it refuses {} by {}", board_.answered(), grbl::error_words(rejected->error)));
   } else if (const auto* alarm = std::get_if<grbl::Alarm>(&line)) {
     lose_state();
-    brake_for(grbl::alarm_words(alarm->number));
+    alarmed_ = true;
+    brake_for(grbl::alarm_words(alarm->number) +
+              (watch_.inputs_on().empty() ? "" : " (inputs on: " + watch_.inputs_on() + ")"));
   } else if (std::holds_alternative<grbl::Banner>(line)) {
     lose_state();
-    brake_for("it was reset, or lost power for a moment");
+    if (!alarmed_) brake_for("it was reset, or lost power for a moment");
   } else if (const auto* garbage = std::get_if<grbl::Garbage>(&line)) {
     if (watch_.minds(*garbage))
       brake_for(fmt::format("it says '{}', which is not Grbl's (check its cable and its baud rate)",
@@ -277,6 +279,7 @@ void GrblAxes::unlock() {
   else if (state != State::kIdle && !may_move_)
     reset();
   for (auto& faults : faults_) faults.clear();
+  alarmed_ = false;
   unlocked_ = poll_until([this] { return board_.unanswered() == 0 && state_words().empty(); },
                          kStatePatience_s);
 }
@@ -328,11 +331,16 @@ void GrblAxes::brake() {
 }
 
 void GrblAxes::brake_for(const std::string& words) {
+  brake();
+  if (faults_[0].empty()) note_fault(board_.sharers(""));
+  note_fault(words);
+}
+
+void GrblAxes::note_fault(const std::string& words) {
   for (auto& faults : faults_)
-    if (faults.size() < kMostFaults &&
+    if (!words.empty() && faults.size() < kMostFaults &&
         std::find(faults.begin(), faults.end(), words) == faults.end())
       faults.push_back(words);
-  brake();
 }
 
 void GrblAxes::abandon() {

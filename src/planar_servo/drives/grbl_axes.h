@@ -26,6 +26,8 @@ class GrblWatch {
 
   grbl::State state() const { return report_.state; }
   bool turns() const { return report_.turns; }
+  /// Returns the letters of the inputs that are on, by the last report.
+  const std::string& inputs_on() const { return report_.pins; }
   /// Returns whether the axes turn, have slowed down and have not sped up since.
   bool slows() const { return slows_; }
   /// Returns whether the board has said where it is.
@@ -126,6 +128,7 @@ class GrblAxes {
   void begin_path(const AxisPulses& from);
   void brake();
   void brake_for(const std::string& words);
+  void note_fault(const std::string& words);
   void lose_state();
   void lose_place();
   void reset();
@@ -136,6 +139,7 @@ class GrblAxes {
   GrblBoard board_;
   std::array<std::vector<std::string>, 3> faults_;
   int losses_{0};
+  bool alarmed_{false};  ///< since it was unlocked; a board restarts after a failed search
   bool unlocked_{false}, may_move_{false}, braking_{false};
   bool searching_{false}, found_switches_{false};
   bool stopped_seen_{false};  ///< by the last report

@@ -5,7 +5,9 @@
 #include <grp.h>
 #include <poll.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -15,8 +17,11 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 #include <variant>
+#include <vector>
 
 #include "planar_servo/core/error.h"
 
@@ -55,6 +60,52 @@ std::string group_of(const std::string& port) {
   return its == nullptr ? "dialout" : its->gr_name;
 }
 
+/// Pseudo-terminals [Linux, Documentation/admin-guide/devices.txt].
+bool is_pseudo_terminal(const struct stat& port) {
+  constexpr unsigned kPseudoTerminals = 136;
+  return major(port.st_rdev) == kPseudoTerminals;
+}
+
+/// Returns whether a process has the port open and does not play the device at its other end.
+bool shares(const fs::path& process, const struct stat& port) {
+  std::error_code fault;
+  bool has_it = false;
+  const std::string played = fmt::format("tty-index:\t{}\n", minor(port.st_rdev));
+  for (fs::directory_iterator at(process / "fd", fault), end; at != end; at.increment(fault)) {
+    struct stat about {};
+    if (stat(at->path().c_str(), &about) != 0 || !S_ISCHR(about.st_mode)) continue;
+    has_it = has_it || (about.st_rdev == port.st_rdev && about.st_dev == port.st_dev);
+    std::ifstream file(process / "fdinfo" / at->path().filename());
+    const std::string info(std::istreambuf_iterator<char>(file), {});
+    if (is_pseudo_terminal(port) && info.find(played) != std::string::npos) return false;
+  }
+  return has_it;
+}
+
+/// Names the other programs that have a port open, as far as this user may see: "cat (4711)".
+std::string holders_of(const std::string& port) {
+  std::vector<std::string> holders;
+  std::error_code fault;
+  struct stat about {};
+  if (stat(port.c_str(), &about) != 0) return "";
+  for (fs::directory_iterator at("/proc", fault), end; at != end; at.increment(fault)) {
+    const std::string id = at->path().filename();
+    if (id.find_first_not_of("0123456789") != std::string::npos || id == std::to_string(getpid()) ||
+        !shares(at->path(), about))
+      continue;
+    std::string name;
+    std::ifstream(at->path() / "comm") >> name;
+    holders.push_back(fmt::format("{} ({})", name, id));
+  }
+  return fmt::format("{}", fmt::join(holders, ", "));
+}
+
+Refusal in_use(const std::string& port) {
+  const std::string holders = holders_of(port);
+  return {port + " is in use by another program" + (holders.empty() ? "" : ": " + holders),
+          fmt::format("end that program (sudo fuser -v {} names it)", port)};
+}
+
 Refusal why_not_opened(const std::string& port) {
   switch (errno) {
     case ENOENT:
@@ -68,7 +119,7 @@ Refusal why_not_opened(const std::string& port) {
                   "then plug the board in and log in again",
                   group_of(port))};
     case EBUSY:
-      return {port + " is in use by another program", "end that program"};
+      return in_use(port);
     default:
       return {fmt::format("{} cannot be opened: {}", port, why_errno()),
               "name the board's serial port as `port` in the cell file"};
@@ -94,6 +145,12 @@ constexpr int kResetAttempts = 4;
 constexpr double kResetPatience_s = 1.0;
 constexpr double kSettingsPatience_s = 0.1;
 constexpr int kSettingsAttempts = 30;
+/// As many more for a board with an ESP32, which says its boot text and may then look for its
+/// wireless network for 20 s [Grbl_ESP32, WifiConfig].
+constexpr int kBootAttempts = 25;
+constexpr const char* kBootTexts[] = {"ets Jun", "rst:0x", "ESP-ROM:"};
+/// What Grbl, then printers' boards, understand as a question for their firmware.
+constexpr const char* kWhoAreYou = "\n$I\nM115\n";
 
 }  // namespace
 
@@ -101,10 +158,13 @@ SerialLine::SerialLine(const std::string& port, int baud)
     : descriptor_(open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
   if (descriptor_ < 0) throw WorkError(why_not_opened(port));
   std::optional<Refusal> fault;
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
-    fault = Refusal{port + " is in use by another program", "end that program"};
-  else if (!make_raw(descriptor_, baud))
+  struct stat about {};
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 || !holders_of(port).empty())
+    fault = in_use(port);
+  else if (!make_raw(descriptor_, baud) || fstat(descriptor_, &about) != 0)
     fault = why_not_opened(port);
+  else if (!is_pseudo_terminal(about))  // whose other end would keep it locked after a kill
+    ioctl(descriptor_, TIOCEXCL);
   if (!fault) return;
   close(descriptor_);
   throw WorkError(*fault);
@@ -166,24 +226,42 @@ std::optional<std::string> SerialLine::read(double timeout_s) {
   }
 }
 
-GrblBoard::GrblBoard(const std::string& port, int baud) : line_(port, baud) {
-  find_board(port, baud);
+GrblBoard::GrblBoard(const std::string& port, int baud) : line_(port, baud), port_(port) {
+  find_board(baud);
+  if (const auto foreign = grbl::foreign_firmware(said_))
+    throw WorkError({port + " " + foreign->fault, foreign->remedy});
   read_settings();
 }
 
-void GrblBoard::find_board(const std::string& port, int baud) {
+void GrblBoard::find_board(int baud) {
   std::string otherwise;
-  for (int i = 0; i < kResetAttempts; ++i) {
+  for (int i = 0; i < (boots() ? kBootAttempts : kResetAttempts); ++i) {
     tell(grbl::kReset);
     if (const auto banner = hear_banner(kResetPatience_s, otherwise)) {
       version_ = *banner;
+      send("$I");
+      for (int k = 0; k < kSettingsAttempts && unanswered() > 0; ++k)
+        if (!hear(kSettingsPatience_s)) tell(grbl::kAskStatus);
+      forget_unanswered();
       return;
     }
   }
-  throw WorkError({otherwise.empty() ? fmt::format("{} says nothing at {} baud", port, baud)
-                                     : fmt::format("{} says '{}' at {} baud, which is not Grbl's",
-                                                   port, otherwise, baud),
-                   "give the board power, and correct `port` and `baud` in the cell file"});
+  line_.write(kWhoAreYou);
+  hear_banner(kResetPatience_s, otherwise);
+  if (grbl::foreign_firmware(said_)) return;
+  const std::string what = otherwise.empty() ? "nothing"
+                           : boots()         ? "an ESP32's boot text and then no greeting of Grbl"
+                                             : "'" + otherwise + "', which is not Grbl's,";
+  throw WorkError(
+      {fmt::format("{} says {} at {} baud", port_, what, baud),
+       fmt::format("give the board power, correct `port` and `baud` in the cell file, and end what "
+                   "else has the port open (sudo fuser -v {})",
+                   port_)});
+}
+
+bool GrblBoard::boots() const {
+  return std::any_of(std::begin(kBootTexts), std::end(kBootTexts),
+                     [&](const char* text) { return said_.find(text) != std::string::npos; });
 }
 
 std::optional<grbl::Banner> GrblBoard::hear_banner(double timeout_s, std::string& otherwise) {
@@ -233,6 +311,7 @@ void GrblBoard::send(const std::string& line) {
 std::optional<grbl::Line> GrblBoard::hear(double timeout_s) {
   const auto text = line_.read(timeout_s);
   if (!text) return std::nullopt;
+  if (settings_.empty()) said_ += *text + '\n';
   grbl::Line line = grbl::parse_line(*text);
   const bool answer =
       std::holds_alternative<grbl::Accepted>(line) || std::holds_alternative<grbl::Rejected>(line);
@@ -242,6 +321,24 @@ std::optional<grbl::Line> GrblBoard::hear(double timeout_s) {
   }
   if (std::holds_alternative<grbl::Banner>(line)) unanswered_.clear();
   return line;
+}
+
+std::string GrblBoard::inputs_on() {
+  std::optional<std::string> on;
+  for (int i = 0; i < kSettingsAttempts; ++i) {
+    tell(grbl::kAskStatus);
+    const auto line = hear(kSettingsPatience_s);
+    const auto* report = line ? std::get_if<grbl::Report>(&*line) : nullptr;
+    if (report == nullptr) continue;
+    if (on == report->pins) return *on;
+    on = report->pins;
+  }
+  throw WorkError("it does not report its state");
+}
+
+std::string GrblBoard::sharers(const std::string& lead) const {
+  const std::string holders = holders_of(port_);
+  return holders.empty() ? "" : lead + "another program has its port open, too: " + holders;
 }
 
 void GrblBoard::reset() {

@@ -11,8 +11,8 @@
 
 namespace planar {
 
-/// A serial port that carries lines of text. No other program that respects the port's lock can use
-/// it at the same time.
+/// A serial port that carries lines of text. It is refused while another program has it open, and
+/// kept from others where the system can do that.
 class SerialLine {
  public:
   /// Opens the port at a speed that is among bauds(). Throws WorkError with the remedy when that
@@ -45,7 +45,7 @@ class SerialLine {
 class GrblBoard {
  public:
   /// Opens the port, resets the board, and reads its version and settings. Nothing moves. Throws
-  /// WorkError with the remedy when there is no such board.
+  /// WorkError with the remedy when there is no such board, or one with other firmware.
   GrblBoard(const std::string& port, int baud);
 
   const grbl::Banner& version() const { return version_; }
@@ -63,6 +63,11 @@ class GrblBoard {
   /// come back.
   void reset();
 
+  /// Returns the letters of the inputs that are on, in two reports in a row.
+  std::string inputs_on();
+  /// Says, after `lead`, who else has the port open; empty when nobody is known to.
+  std::string sharers(const std::string& lead) const;
+
   std::size_t unanswered() const { return unanswered_.size(); }
   /// Stops waiting for answers, because some were lost on the line.
   void forget_unanswered() { unanswered_.clear(); }
@@ -70,11 +75,14 @@ class GrblBoard {
   const std::string& answered() const { return answered_; }
 
  private:
-  void find_board(const std::string& port, int baud);
+  void find_board(int baud);
+  bool boots() const;
   void read_settings();
   std::optional<grbl::Banner> hear_banner(double timeout_s, std::string& otherwise);
 
   SerialLine line_;
+  std::string port_;
+  std::string said_;  ///< until its settings came
   grbl::Banner version_;
   grbl::Settings settings_;
   std::deque<std::string> unanswered_;

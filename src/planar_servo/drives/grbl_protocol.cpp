@@ -185,7 +185,23 @@ std::string words_in(const Named<int> (&table)[N], const char* what, int number)
   return fmt::format("{} {}, which its maker's list explains", what, number);
 }
 
-constexpr double kOldestVersion = 1.1;
+/// Firmware that is not supported, by a part of what it says at its start, or asked by $I or M115.
+constexpr Named<std::string_view> kForeign[] = {
+    {"FluidNC", "FluidNC (it keeps its settings in a file)"},
+    {"Grbl_ESP32", "Grbl_ESP32 (its development has ended)"},
+    {"Grbl 1.3a", "Grbl_ESP32 (its development has ended)"},
+    {"Grbl 0.", "a Grbl before 1.1 (it cannot jog)"},
+    {"Marlin", "Marlin"},
+    {"Smoothie", "Smoothieware"},
+    {"Repetier", "Repetier"},
+    {"RepRapFirmware", "RepRapFirmware"},
+    {"Klipper", "Klipper"},
+    {"TinyG", "TinyG"},
+    {"g2core", "g2core"},
+    {"\"fb\":", "TinyG or g2core"},
+    {"[fb]", "TinyG or g2core"}};
+constexpr double kSupportedVersion = 1.1;
+
 constexpr double kThousandths = 1000.0;
 constexpr double kAllowedDifference = 1e-3;
 
@@ -277,6 +293,19 @@ Line parse_line(std::string_view text) {
   return garbage(line);
 }
 
+std::optional<Refusal> foreign_firmware(std::string_view said) {
+  for (const auto& [sign, name] : kForeign)
+    if (said.find(sign) != std::string_view::npos)
+      return Refusal{fmt::format("has {}, which is not supported", name),
+                     "flash Grbl 1.1 (AVR processors) or grblHAL (ESP32 and most others), or use "
+                     "another board; see doc/drives.md"};
+  return std::nullopt;
+}
+
+bool is_supported(const Banner& version) {
+  return version.number == kSupportedVersion;
+}
+
 std::string alarm_words(int number) {
   return words_in(kGrblAlarms, "alarm", number);
 }
@@ -301,11 +330,7 @@ bool keeps_pulses(double pulses_per_mm) {
   return whole(kThousandths * pulses_per_mm) && whole(kThousandths / pulses_per_mm);
 }
 
-std::optional<Refusal> unfitness(const Banner& version, const Settings& settings,
-                                 const GrblSettings& cell) {
-  if (version.number < kOldestVersion)
-    return Refusal{version.version + " is too old: it cannot jog",
-                   "flash Grbl 1.1 or later, or grblHAL"};
+std::optional<Refusal> unfitness(const Settings& settings, const GrblSettings& cell) {
   Comparison board(settings);
   board.require(kStepIdleDelay, kAlwaysOn, "its motors would be switched off at rest");
   if ((board.bits(kReportMask) & 1U) == 0)

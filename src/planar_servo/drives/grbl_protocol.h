@@ -72,6 +72,12 @@ using Settings = std::map<int, double>;
 /// Parses one line of a board, without its end. Never throws.
 Line parse_line(std::string_view text);
 
+/// Returns which firmware a board has that is known and not supported, and the way on, from all
+/// that it said; empty when it said nothing of the kind.
+std::optional<Refusal> foreign_firmware(std::string_view said);
+/// Returns whether this firmware is one that is supported: Grbl 1.1 or grblHAL.
+bool is_supported(const Banner& version);
+
 /// Returns what an alarm or an error means, with its number: "alarm 1: a limit switch was hit".
 std::string alarm_words(int number);
 std::string error_words(int number);
@@ -115,10 +121,8 @@ constexpr double kReserve_s = 0.04;
 /// in which a board is told and reports lengths.
 bool keeps_pulses(double pulses_per_mm);
 
-/// Returns why a board with this version and these settings cannot be used for the cell; empty when
-/// it can.
-std::optional<Refusal> unfitness(const Banner& version, const Settings& settings,
-                                 const GrblSettings& cell);
+/// Returns why a board with these settings cannot be used for the cell; empty when it can.
+std::optional<Refusal> unfitness(const Settings& settings, const GrblSettings& cell);
 
 }  // namespace grbl
 

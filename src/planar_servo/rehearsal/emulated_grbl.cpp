@@ -104,6 +104,7 @@ void EmulatedGrbl::obey_line(const std::string& line) {
 
 std::string EmulatedGrbl::answer_to(const std::string& line) {
   if (line == "$$") return list_settings() + "ok";
+  if (line == "$I") return "[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\nok";
   if (line == "$X") {
     if (state_ == State::kAlarm) state_ = State::kIdle;
     return "ok";
@@ -225,7 +226,10 @@ void EmulatedGrbl::step_jog(double dt_s) {
 }
 
 void EmulatedGrbl::step_home(double dt_s) {
-  if (!switches_mm_) return alarm(9);
+  if (!switches_mm_) {
+    alarm(9);
+    return write(std::string("ok\r\n") + kBanner);
+  }
   const Eigen::Vector3d left = *switches_mm_ - (counted_mm_ + offset_mm_);
   const double ahead = setting(25) / 60.0 * dt_s;
   counted_mm_ += left.cwiseMax(-ahead).cwiseMin(ahead);

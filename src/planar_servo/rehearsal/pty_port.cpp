@@ -1,5 +1,6 @@
 #include "planar_servo/rehearsal/pty_port.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
 #include <termios.h>
@@ -27,6 +28,7 @@ void PtyPort::plug_in() {
   std::array<char, 100> device{};
   if (openpty(&inner_, &outer_, device.data(), &raw, nullptr) != 0)
     throw WorkError("no pseudo-terminal can be opened");
+  for (const int end : {inner_, outer_}) fcntl(end, F_SETFD, FD_CLOEXEC);
   std::error_code error;
   if (std::filesystem::is_symlink(name_)) std::filesystem::remove(name_, error);
   std::filesystem::create_symlink(device.data(), name_, error);
