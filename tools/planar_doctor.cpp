@@ -20,7 +20,7 @@ const ProgramText kText{"planar-doctor",
                                     fmt::join(new_cell_drives(), "|")),
                         R"(well      cell file: cell.yaml is in order
 well      drive 1: Tic 36v4 00411111 at /dev/bus/usb/001/002, firmware 1.09, supply 24.0 V
-well      camera: answers at 127.0.0.1 over lo)"};
+well      camera: answers at 127.0.0.1 over lo: Aravis Fake, version 0.8.26)"};
 
 struct Options {
   std::filesystem::path cell;

@@ -244,6 +244,37 @@ TEST_CASE("A camera that died and came back keeps its settings and its region") 
   CHECK(camera.counts().reopened == 1);
 }
 
+TEST_CASE(
+    "A camera that answers but whose frames do not arrive is back with its first frame only") {
+  test::SceneSensor sensor;
+  Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  server.camera.lose_packets(1.0);
+  CHECK(test::in_the_end([&] {
+    return camera.fault().value_or("").find("it answers, but none of its frames arrives") !=
+           std::string::npos;
+  }));
+  CHECK_THAT(*camera.fault(), Catch::Contains("firewall") && Catch::Contains("rp_filter") &&
+                                  Catch::Contains("packets"));
+  CHECK(camera.counts().reopened == 0);
+  server.camera.lose_packets(0.0);
+  CHECK(test::in_the_end([&] { return !camera.fault(); }));
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  CHECK(camera.counts().reopened == 1);
+}
+
+TEST_CASE("Frames that take longer than a lost one would are waited for") {
+  test::SceneSensor sensor;
+  const Server server(sensor);
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  sensor.pace_s = 0.8;
+  for (int i = 0; i < 2; ++i)
+    CHECK(test::in_the_end([&] { return camera.next_frame().status == FrameStatus::kOk; }));
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  CHECK(camera.counts().reopened == 0);
+}
+
 TEST_CASE("Without its trigger a camera times out and is at fault") {
   test::SceneSensor sensor;
   const Server server(sensor);

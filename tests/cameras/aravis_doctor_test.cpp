@@ -91,6 +91,10 @@ TEST_CASE("Frames that lack parts, come late or not at all are told with what he
   CameraInspection silent = good;
   silent.complete = 0;
   CHECK(judged(silent).verdict == Verdict::kFaulty);
+  CHECK_THAT(judged(silent).remedy, Contains("firewall") && Contains("conf.eth0.rp_filter=2") &&
+                                        Contains("camera.packet_size: 1400"));
+  silent.packet_size = 0;  // USB
+  CHECK_THAT(judged(silent).remedy, Contains("another socket") && !Contains("firewall"));
 }
 
 }  // namespace

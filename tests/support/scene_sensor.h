@@ -14,6 +14,7 @@ class SceneSensor {
  public:
   std::atomic<bool> frozen{false};   ///< shows its last picture again and again
   std::atomic<double> delay_s{0.0};  ///< delays the next picture, once
+  std::atomic<double> pace_s{0.0};   ///< that every picture takes
 
   /// Takes a picture of a region of the sensor. `brightness` is only remembered.
   cv::Mat expose(const cv::Rect& region_px, double brightness) {
@@ -27,7 +28,7 @@ class SceneSensor {
     for (int row = 0; row < image.rows; ++row)
       for (int column = 0; column < image.cols; ++column)
         image.at<std::uint8_t>(row, column) = level(region_px.x + column, region_px.y + row, shot);
-    clock_.sleep_for_s(delay_s.exchange(0.0));
+    clock_.sleep_for_s(pace_s + delay_s.exchange(0.0));
     return image;
   }
 

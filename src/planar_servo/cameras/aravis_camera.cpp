@@ -27,9 +27,12 @@ constexpr double kAgeLimitPeriods = 2.25;
 constexpr double kAgeLimit_s = 0.070;
 
 constexpr double kStartTime_s = 0.5;  ///< allowed until a stream's first frame
-constexpr double kSilence_s = 3.0;    ///< reopen the camera after as long without a good frame
+/// Reopen the camera after as long without a good frame, the second where frames come slowly.
+constexpr double kSilence_s = 3.0, kLongestSilence_s = 12.0;
 constexpr double kPollPeriod_s = 0.005;
-constexpr double kLateness_s = 0.5;    ///< a frame as late counts as lost; restart the stream
+constexpr double kLateness_s = 0.5;         ///< a frame as late counts as lost; restart the stream
+constexpr double kLongestLateness_s = 4.0;  ///< the same of a camera that is slow, on command
+constexpr double kSlack = 2.0;         ///< a frame may take this many times as long as the last
 constexpr double kFirstPause_s = 0.1;  ///< first pause between attempts to open a lost camera
 constexpr double kLongestPause_s = 2.0;
 constexpr double kOrderTime_s = 5.0;  ///< allowed to the thread and the camera
@@ -67,6 +70,7 @@ struct AravisCamera::Impl {
   }
 
   void open() {
+    delivers = false;
     link = std::make_unique<AravisLink>(settings, memory);
     start(mailbox.region());
   }
@@ -79,28 +83,44 @@ struct AravisCamera::Impl {
   }
 
   void run() {
-    double pause_s = kFirstPause_s;
     while (!stop) {
       try {
         if (!link) {
           unanswered_s.reset();
           open();
-          spdlog::info("the camera is back");
-          mailbox.find();
-          mailbox.excuse(kStartTime_s);
-          pause_s = kFirstPause_s;
         }
         grab();
       } catch (const std::exception& error) {
-        if (!mailbox.fault() || link)
-          spdlog::warn(fmt::format("the camera is lost: {}", error.what()));
-        mailbox.lose(fmt::format("the camera is lost: {}", error.what()));
+        const std::string why = fmt::format("the camera is lost: {}", error.what());
+        if (why != std::exchange(loss, why)) spdlog::warn(why);
+        mailbox.lose(why);
         link.reset();
         rest(pause_s);
         pause_s = std::min(2.0 * pause_s, kLongestPause_s);
       }
     }
     link.reset();
+  }
+
+  /// Notes that a whole frame has come, which alone shows that the camera delivers.
+  void find() {
+    pause_s = kFirstPause_s;
+    if (std::exchange(loss, "").empty()) return;
+    mailbox.find();
+    silence_s = std::min(kSlack * silence_s, kLongestSilence_s);
+    spdlog::info(
+        fmt::format("the camera is back; from now on it may be silent for {:g} s", silence_s));
+  }
+
+  void require_frames() {
+    const double age_s = mailbox.age_s();
+    if (link->lost()) throw WorkError("it does not answer");
+    if (age_s <= silence_s + lateness_s - kLateness_s) return;
+    if (delivers) throw WorkError(fmt::format("it sent no good frame for {:.0f} s", age_s));
+    throw WorkError(
+        "it answers, but none of its frames arrives: it or this machine is too slow, or a cable, "
+        "on "
+        "GigE a firewall, rp_filter or too large packets stop them; planar-doctor examines it");
   }
 
   void rest(double duration_s) {
@@ -119,9 +139,7 @@ struct AravisCamera::Impl {
         grab_by_command();
       else
         grab_unasked();
-      if (link->lost()) throw WorkError("it does not answer");
-      if (mailbox.age_s() > kSilence_s)
-        throw WorkError(fmt::format("it sent no good frame for {:.0f} s", kSilence_s));
+      require_frames();
     }
   }
 
@@ -146,6 +164,12 @@ struct AravisCamera::Impl {
     const std::lock_guard<std::mutex> lock(order_mutex);
     exposure_order.emplace(ExposureOrder{exposure, {}});
     return exposure_order->done.get_future();
+  }
+
+  /// How long a caller waits: where frames take long, for the one under way and its own.
+  double patience_s() const {
+    const double wait_s = lateness_s > kLateness_s ? kSlack * lateness_s : 0.0;
+    return std::max(settings.timeout_s, wait_s);
   }
 
   void withdraw_order() {
@@ -177,13 +201,25 @@ struct AravisCamera::Impl {
   void grab_by_command() {
     if (!unanswered_s && !trigger()) return;
     const auto arrival = link->receive(kPollPeriod_s);
+    const double took_s = clock.now_s() - *unanswered_s - settings.exposure_s;
     if (arrival) {
+      if (arrival->complete) expect_as_late(took_s);
       take(arrival, std::exchange(unanswered_s, std::nullopt));
-    } else if (clock.now_s() > *unanswered_s + settings.exposure_s + kLateness_s) {
+    } else if (took_s > lateness_s) {
       unanswered_s.reset();
+      lateness_s = std::min(kSlack * lateness_s, kLongestLateness_s);
       mailbox.note_bad(FrameStatus::kTimeout);
       link->start(asked_px);  // the lost frame cannot come in a new stream
     }
+  }
+
+  void expect_as_late(double took_s) {
+    lateness_s = std::clamp(kSlack * took_s, kLateness_s, kLongestLateness_s);
+    if (took_s > kLateness_s && !std::exchange(slow, true))
+      spdlog::warn(fmt::format(
+          "the camera or this machine is slow: a frame came {:.1f} s after its command; "
+          "frames are waited for, but the arm does not move by them",
+          took_s));
   }
 
   bool trigger() {
@@ -199,10 +235,12 @@ struct AravisCamera::Impl {
   /// arrival.
   void take(const std::optional<AravisLink::Arrival>& arrival, std::optional<double> began_s) {
     if (!arrival) return;
+    delivers = true;
     if (!arrival->complete || arrival->repeated) {
       mailbox.note_bad(arrival->complete ? FrameStatus::kFrozen : FrameStatus::kIncomplete);
       return;
     }
+    find();
     const double t_s = began_s.value_or(arrival->due_s - settings.exposure_s);
     const cv::Rect& region_px = arrival->region_px;
     if ((region_px & asked_px) != asked_px) {  // exposed before the region moved
@@ -221,6 +259,12 @@ struct AravisCamera::Impl {
   std::unique_ptr<AravisLink> link;
   cv::Rect asked_px;  ///< the region last sent to the camera, as it was asked for
   double next_trigger_s{0.0};
+  std::string loss;                             ///< why there is no camera; empty while it delivers
+  bool delivers{false};                         ///< anything since it was opened
+  double silence_s{kSilence_s};                 ///< after which it is opened again
+  double pause_s{kFirstPause_s};                ///< before it is opened again
+  std::atomic<double> lateness_s{kLateness_s};  ///< after which a commanded frame counts as lost
+  bool slow{false};                             ///< and this was said
   std::optional<double> unanswered_s;  ///< when the trigger was sent whose frame has not come
   std::mutex order_mutex;
   std::optional<ExposureOrder> exposure_order;
@@ -244,11 +288,11 @@ void AravisCamera::set_region(const cv::Rect& region_px) {
 }
 
 FrameResult AravisCamera::next_frame() {
-  return impl_->mailbox.next(impl_->settings.timeout_s);
+  return impl_->mailbox.next(impl_->patience_s());
 }
 
 FrameResult AravisCamera::following_frame() {
-  return impl_->mailbox.following(impl_->settings.timeout_s);
+  return impl_->mailbox.following(impl_->patience_s());
 }
 
 std::optional<std::string> AravisCamera::fault() const {

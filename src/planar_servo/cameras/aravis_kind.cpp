@@ -65,6 +65,21 @@ std::optional<CameraPath> path_of(const AravisSettings& settings) {
   return find_network_path(settings.address);
 }
 
+/// Says what to do where a camera obeys, but none of its frames arrives.
+std::string way_to_frames(const AravisSettings& settings, const CameraInspection& seen,
+                          const CameraPath& path) {
+  if (settings.trigger == CameraTrigger::kHardware) return "check that the trigger line pulses";
+  if (seen.packet_size == 0)
+    return "plug the camera into another socket, with a shorter cable; else switch its power off "
+           "and on";
+  return fmt::format(
+      "see what keeps its stream out: a firewall (let UDP from {} in), the reverse path filter "
+      "(sudo sysctl -w net.ipv4.conf.all.rp_filter=2 net.ipv4.conf.{}.rp_filter=2), packets of {} "
+      "bytes on a way that takes less (set camera.packet_size: 1400); else switch the camera's "
+      "power off and on",
+      settings.address, path.port, seen.packet_size);
+}
+
 constexpr int kMaxPacketSize = 65535;
 
 constexpr Named<CameraTrigger> kTriggers[] = {{CameraTrigger::kFreeRun, "free_run"},
@@ -85,6 +100,7 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
   try {
     FrameMemory memory(kCameraBlocks, bytes_of(pixel_format_named(settings.pixel_format), pixels));
     AravisLink link(settings, memory);
+    inspection.identity = link.identity();
     link.start({cv::Point(), settings.sensor_px});
     grab(link, settings, inspection);
     inspection.frame_bytes = link.frame_bytes();
@@ -110,7 +126,8 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
     const std::string port = path ? " over " + path->port : "";
     std::vector<Finding> findings{
         {Verdict::kWell, "camera",
-         settings.address.empty() ? "answers" + port : "answers at " + settings.address + port}};
+         fmt::format("answers{}{}: {}", settings.address.empty() ? "" : " at " + settings.address,
+                     port, seen.identity)}};
     const CameraPath known = path.value_or(CameraPath{});
     for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known)})
       findings.insert(findings.end(), judged.begin(), judged.end());
@@ -162,9 +179,7 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
     return Finding{verdict, "frames", what, remedy};
   };
   if (seen.complete == 0 && seen.incomplete == 0)
-    return finding(Verdict::kFaulty, settings.trigger == CameraTrigger::kHardware
-                                         ? "check that the trigger line pulses"
-                                         : "switch the camera's power off and on");
+    return finding(Verdict::kFaulty, way_to_frames(settings, seen, path));
   if (seen.incomplete > 0)
     return finding(seen.complete == 0 ? Verdict::kFaulty : Verdict::kDoubtful,
                    seen.packet_size == 0

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "planar_servo/cameras/aravis_settings.h"
@@ -17,6 +18,7 @@ struct CameraPath;
 /// The behaviour of a camera that was opened and sent full frames for a moment.
 struct CameraInspection {
   std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
+  std::string identity;            ///< maker, model, firmware and serial number
   std::size_t frame_bytes{0};      ///< of a full frame
   int packet_size{0};              ///< of GigE, bytes; 0 on USB
   double duration_s{0.0};

@@ -258,6 +258,10 @@ std::optional<AravisLink::Arrival> AravisLink::receive(double timeout_s) {
   return arrival;
 }
 
+std::string AravisLink::identity() const {
+  return identity_of(impl_->camera.get());
+}
+
 bool AravisLink::lost() const {
   return impl_->lost;
 }

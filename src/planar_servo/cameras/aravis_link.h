@@ -96,6 +96,9 @@ class AravisLink {
   /// Returns whether the camera has not answered for some seconds or its cable is out.
   bool lost() const;
 
+  /// Returns maker, model, firmware and serial number, as far as the camera tells them.
+  std::string identity() const;
+
   // These describe the stream that start() began.
   std::size_t frame_bytes() const;
   /// Returns the bytes of a GigE packet with its headers; 0 on USB.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "planar_servo/cameras/aravis_settings.h"
 #include "planar_servo/core/clock.h"
 
@@ -116,6 +118,21 @@ ArvPixelFormat arv_format(PixelFormat format) {
       ARV_PIXEL_FORMAT_MONO_10_PACKED, ARV_PIXEL_FORMAT_MONO_12, kMono12p,
       ARV_PIXEL_FORMAT_MONO_12_PACKED};
   return kFormats[static_cast<std::size_t>(format)];
+}
+
+std::string identity_of(ArvCamera* camera) {
+  std::string who;
+  for (const auto& [words, feature] :
+       {std::pair("", "DeviceVendorName"), std::pair(" ", "DeviceModelName"),
+        std::pair(", firmware ", "DeviceFirmwareVersion"), std::pair(", version ", "DeviceVersion"),
+        std::pair(", serial number ", "DeviceSerialNumber")}) {
+    GError* ignored = nullptr;
+    const char* const told =
+        arv_device_get_string_feature_value(arv_camera_get_device(camera), feature, &ignored);
+    if (ignored == nullptr && told != nullptr) who += std::string(words) + told;
+    g_clear_error(&ignored);
+  }
+  return who;
 }
 
 void require_identity(ArvCamera* camera, const AravisSettings& settings) {

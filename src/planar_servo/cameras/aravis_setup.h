@@ -44,6 +44,9 @@ auto ask(const std::string& what, Call call) {
 
 ArvPixelFormat arv_format(PixelFormat format);
 
+/// Returns maker, model, firmware and serial number, as far as the camera tells them.
+std::string identity_of(ArvCamera* camera);
+
 /// Throws unless the camera has the serial number and sensor size of the settings.
 void require_identity(ArvCamera* camera, const AravisSettings& settings);
 
