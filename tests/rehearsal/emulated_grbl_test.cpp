@@ -122,6 +122,7 @@ TEST_CASE("An emulated board finds its home switches, and says when it has none"
   SpokenBoard bench({{22, 1}, {25, 6000}, {120, 500}});
   bench.say("$H\n");
   CHECK(bench.hears("ALARM:9"));
+  CHECK(bench.hears("Grbl 1.1"));
   bench.board.place_switches(Eigen::Vector3d(-1.0, 0.5, 0.0));
   CHECK(bench.answers("$H", "ok"));
   CHECK(bench.board.shafts() == Shafts(-250, 125, 0));
