@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 
@@ -41,7 +42,7 @@ class PortReader {
       execlp("cat", "cat", port.c_str(), nullptr);
       _exit(127);
     }
-    eventually([&] { return std::filesystem::exists(fmt::format("/proc/{}/fd/3", process_)); });
+    eventually([&] { return is_cat() && has_open(std::filesystem::canonical(port)); });
   }
   ~PortReader() {
     kill(process_, SIGKILL);
@@ -53,6 +54,19 @@ class PortReader {
   std::string name() const { return fmt::format("cat ({})", process_); }
 
  private:
+  bool is_cat() const {
+    std::string name;
+    std::ifstream(fmt::format("/proc/{}/comm", process_)) >> name;
+    return name == "cat";
+  }
+  bool has_open(const std::filesystem::path& file) const {
+    std::error_code error;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(fmt::format("/proc/{}/fd", process_), error))
+      if (std::filesystem::read_symlink(entry, error) == file) return true;
+    return false;
+  }
+
   pid_t process_;
 };
 
