@@ -34,7 +34,7 @@ const ProgramText kText{
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
     "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
     "                         [--loop-only N] [--predict | --seeds N [--like KIND] [--jobs J]]\n"
-    "                         [--accept-step] [--home] [--at-marks] [--display auto|x|none]\n"
+    "                         [--accept-step] [--home] [--at-marks] [--display auto|none]\n"
     "       mpirun -n RANKS planar-experiment ... --seeds N",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before *  paper's chain +  its gain    ours  our gain  paper: before ~  paper: after  paper: gain
@@ -188,8 +188,7 @@ void add_options(CLI::App& app, Options& options) {
   add_choice(
       app, "--display", options.display, names_of(kDisplayPolicies),
       "auto: draw a map of what is recorded, and what a real cell's camera sees of the board, "
-      "into DIR/recording/view.png and, where an X server answers, a window; x: insist on "
-      "the window; none");
+      "into DIR/recording/view.png; none");
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {

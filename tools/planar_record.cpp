@@ -13,7 +13,7 @@ namespace {
 const ProgramText kText{
     "planar-record",
     "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home] [--at-marks]\n"
-    "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|x|none]\n"
+    "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|none]\n"
     "                     [--on-bad-reading repeat|skip|stop]",
     "1 positions recorded (0 were there before): 3 frames, 1 of them full\n"
     "recording: RECORDING\n"
@@ -41,7 +41,7 @@ void add_options(CLI::App& app, Options& options) {
   add_choice(
       app, "--display", options.display, names_of(kDisplayPolicies),
       "auto: draw a map of what is done and left, and what the camera sees of the board, into "
-      "RECORDING/view.png and, where an X server answers, a window; x: insist on the window; none");
+      "RECORDING/view.png; none");
   add_choice(app, "--on-bad-reading", options.on_bad_reading, names_of(kBadReadings),
              "what happens to a place without a good tracker reading: it is taken "
              "again up to twice, left out, or the recording stops");

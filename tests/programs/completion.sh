@@ -55,7 +55,7 @@ offers "cell.yaml folder" planar-record --cell ""
 offers "folder pairs.csv plan.csv" planar-record --plan ""
 offers "folder" planar-record --out ""
 offers "plan.csv" planar-record --plan = pl
-offers "auto none x" planar-record --display ""
+offers "auto none" planar-record --display ""
 offers "" planar-plan --readings ""
 offers "folder none page.html" planar-pair-tracker --report ""
 offers "folder photo.png" planar-calibrate-camera --grid circles:11x11:50mm ""

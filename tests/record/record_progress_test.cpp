@@ -61,7 +61,7 @@ TEST_CASE(
 TEST_CASE("Progress is drawn where a display is, and nowhere else") {
   const test::TemporaryFolder folder;
   ProgressBench bench;
-  LiveView view(folder / "view.png", false, "record");
+  LiveView view(folder / "view.png");
   RecordProgress progress = bench.progress(&view);
   bench.record(progress, 1, 20.0);
   progress.finish();

@@ -66,7 +66,7 @@ TEST_CASE("Errors of nothing, of kilometres and without a frame can be drawn") {
 TEST_CASE("The picture file shows the newest view, however many came before") {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "view.png";
-  LiveView live(file, false, "view");
+  LiveView live(file);
   for (int i = 0; i < 50; ++i) live.show(plot_of(view_with_lamp_at({1010.0 + i, 2100.0})));
   const ServoView last = view_with_lamp_at({1200.0, 2200.0});
   live.show(plot_of(last));
@@ -86,7 +86,7 @@ TEST_CASE("The picture file shows the newest view, however many came before") {
 }
 
 TEST_CASE("A picture that cannot be written is told at the end") {
-  LiveView live("/nowhere/at/all/view.png", false, "view");
+  LiveView live("/nowhere/at/all/view.png");
   live.show(plot_of(view_with_lamp_at({1010.0, 2100.0})));
   CHECK(live.close());
 }

@@ -326,8 +326,7 @@ RecordReport record(const RecordRequest& request, CellDevices& devices) {
   drop_torn_line(request.recording / "tracker.csv", tracker_header());
   const BegunRecording begun = begun_recording(request, joints);
   if (devices.board_presenter() == nullptr) require_board(request, begun);
-  const auto display =
-      open_display(request.display, request.recording / "view.png", "planar-record");
+  const auto display = open_display(request.display, request.recording / "view.png");
   make_folder(request.recording / "images");
   RecordReport report = Recorder(request, joints, begun, devices, display.get()).run();
   close_display(display.get());

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <condition_variable>
-#include <cstdlib>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,16 +11,12 @@
 #include <utility>
 
 #include "planar_servo/core/error.h"
-#include "planar_servo/report/live/x_window.h"
 
 namespace planar {
 
 struct LiveView::Impl {
-  Impl(std::filesystem::path picture, bool with_window, std::string window_title)
-      : file(std::move(picture)),
-        windowed(with_window),
-        title(std::move(window_title)),
-        thread([this] { run(); }) {}
+  explicit Impl(std::filesystem::path picture)
+      : file(std::move(picture)), thread([this] { run(); }) {}
 
   void run() {
     try {
@@ -33,12 +28,9 @@ struct LiveView::Impl {
 
   void draw_views() {
     vpImage<vpRGBa> picture(kViewHeight, kViewWidth);
-    std::optional<XWindow> window;
-    if (windowed) window.emplace(title, kViewWidth, kViewHeight);
     while (const ViewPlot draw = wait_for_plot()) {
       draw(picture);
       save(picture);
-      if (window) window->show(picture);
     }
   }
 
@@ -62,8 +54,6 @@ struct LiveView::Impl {
   }
 
   std::filesystem::path file;
-  bool windowed;
-  std::string title;
   std::mutex mutex;
   std::condition_variable changed;
   ViewPlot newest;
@@ -72,8 +62,8 @@ struct LiveView::Impl {
   std::thread thread;                  ///< declared last, because it uses all other members
 };
 
-LiveView::LiveView(std::filesystem::path picture, bool with_window, std::string title)
-    : impl_(std::make_unique<Impl>(std::move(picture), with_window, std::move(title))) {}
+LiveView::LiveView(std::filesystem::path picture)
+    : impl_(std::make_unique<Impl>(std::move(picture))) {}
 
 LiveView::~LiveView() {
   close();
@@ -97,17 +87,8 @@ std::optional<std::string> LiveView::close() {
   return impl_->failure;
 }
 
-std::unique_ptr<LiveView> open_display(DisplayPolicy policy, const std::filesystem::path& picture,
-                                       const std::string& title) {
-  if (policy == DisplayPolicy::kNone) return nullptr;
-  const bool window = XWindow::server_answers();
-  if (!window && policy == DisplayPolicy::kX) {
-    const char* display = std::getenv("DISPLAY");
-    throw InputError(
-        {fmt::format("no X server answers at DISPLAY '{}'", display == nullptr ? "" : display),
-         "start one, or use --display auto", "--display x"});
-  }
-  return std::make_unique<LiveView>(picture, window, title);
+std::unique_ptr<LiveView> open_display(DisplayPolicy policy, const std::filesystem::path& picture) {
+  return policy == DisplayPolicy::kNone ? nullptr : std::make_unique<LiveView>(picture);
 }
 
 void close_display(LiveView* view) {
