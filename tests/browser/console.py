@@ -157,6 +157,26 @@ def second_browser(driver, page, console, pictures):
     page.wait(IDLE)
 
 
+def doubt_key(page, console):
+    """A held key whose end the page cannot have seen for certain ends its motion."""
+    hold = """const panel = document.querySelector("#jog"); panel.focus();
+              panel.dispatchEvent(new KeyboardEvent("keydown", {key: "q", code: "KeyQ", bubbles: true}))"""
+    tell = """document.querySelector("#jog").dispatchEvent(
+              new KeyboardEvent(arguments[0], {key: arguments[1], code: arguments[2], bubbles: true}))"""
+    doubts = (("goes up as another letter", ("keyup", "@", "KeyQ")), ("is lost for one that goes up", ("keyup", "x", "KeyX")),
+              ("is held while a modifier goes down", ("keydown", "AltGraph", "AltRight")), ("does not repeat", None))
+    for words, event in doubts:
+        begin = console.turned()
+        page.run(hold)
+        console.wait_for(lambda state: state["arm"]["joints_deg"][0] - begin > KEPT_DEG)
+        if event:
+            page.run(tell, *event)
+        console.wait_for(lambda state: state["doing"] == "idle")
+        turned = console.turned() - begin
+        claim(f"a motion ends when its key {words}", turned < FARTHEST_DEG - (1 if event is None else 4),
+              f"after {turned:.1f} of {FARTHEST_DEG} degrees")
+
+
 def lose_page(driver, console):
     """The page loses the focus, and then is killed, while it holds a motion that would last for some time."""
     with Browser(driver) as page:
@@ -164,6 +184,7 @@ def lose_page(driver, console):
         check_api(console)
         enable(page)
         page.run(f"document.querySelector('{FARTHEST}').click()")
+        doubt_key(page, console)
         for words, lose in (("loses the focus", lambda: page.run("dispatchEvent(new Event('blur'))")),
                             ("is killed", page.crash)):
             begin, motions = console.turned(), len(page.run(JOGS))

@@ -7,11 +7,13 @@ import {tell} from "./link.js";
 const KEEP_MS = 80;  // the server waits for 200
 const TAP_MS = 250;  // a shorter press is a tap, which moves one whole step
 const TAP_LASTS_MS = 3000;
+const REPEAT_MS = 1200;  // a keyboard repeats a held key after a second at the latest
+const MODIFIERS = ["Shift", "Control", "Alt", "AltGraph", "Meta"];
 const FARTHEST_TURN_DEG = 15;  // of one command
 const KEYS = {arrowright: "x +", arrowleft: "x -", arrowup: "y +", arrowdown: "y -", q: "joint 1 +", a: "joint 1 -",
   w: "joint 2 +", s: "joint 2 -", e: "joint 3 +", d: "joint 3 -"};
 
-let pressed = null;  // the newest press: {motion, source, since, down, kept, begun, over}
+let pressed = null;  // the newest press: {motion, code, heard, since, down, kept, begun, over}
 let moving = null;   // the step under way: {hold, seq, end}
 let before = Promise.resolve();  // the end of all presses before
 
@@ -19,11 +21,17 @@ const step = () => document.querySelector("input[name=step]:checked").value;
 const lineOf = motion => motion.slice(0, -1) + (motion.endsWith("-") ? "-" : "") +
   (motion.startsWith("joint") ? Math.min(step(), FARTHEST_TURN_DEG) : step());
 
+/// A key is held as long as it repeats, once it is no tap; a button has no code.
+function isHeld(hold) {
+  if (hold.down && hold.code && performance.now() - hold.heard > REPEAT_MS) drop();
+  return hold.kept;
+}
+
 /// Moves one step, and keeps it alive until it has ended or is let go. Returns whether another may follow.
 async function moveStep(hold) {
   const begun = await order("/api/jog", {line: lineOf(hold.motion)});
   if (!begun) return false;
-  const keep = () => hold.kept && tell("/api/jog/keep").catch(() => {});
+  const keep = () => isHeld(hold) && tell("/api/jog/keep").catch(() => {});
   const beat = setInterval(keep, KEEP_MS);
   keep();
   const good = await new Promise(end => { moving = {hold, seq: begun.seq, end}; });
@@ -39,9 +47,10 @@ async function follow(hold) {
 }
 
 /// One press may wait for the step before to end, so that fast taps are not lost.
-function press(motion, source) {
+function press(motion, code) {
   if (pressed && !pressed.over && (pressed.down || !pressed.begun)) return;
-  const hold = {motion, source, since: performance.now(), down: true, kept: true, begun: false, over: false};
+  const now = performance.now();
+  const hold = {motion, code, heard: now, since: now, down: true, kept: true, begun: false, over: false};
   pressed = hold;
   before = before.then(() => follow(hold));
 }
@@ -85,7 +94,7 @@ function prepareButton(button) {
   button.addEventListener("pointerdown", event => {
     if (event.button !== 0) return;
     button.setPointerCapture(event.pointerId);
-    press(button.dataset.jog, button);
+    press(button.dataset.jog);
   });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) button.addEventListener(end, letGo);
   button.addEventListener("contextmenu", event => event.preventDefault());  // of a long touch
@@ -98,20 +107,31 @@ function changeStep(by) {
   if (next) next.checked = true;
 }
 
+/// Letters change with modifiers and layouts while a key is held; its code does not.
 function keyDown(event) {
+  if (pressed && pressed.down && pressed.code) {
+    if (event.repeat && event.code === pressed.code) pressed.heard = performance.now();
+    else if (event.code !== pressed.code || MODIFIERS.includes(event.key)) drop();
+  }
   if (event.target.matches("input,textarea,select") || event.ctrlKey || event.altKey || event.metaKey) return;
   const key = event.key.toLowerCase(), motion = KEYS[key];
   if (key === "+" || key === "-") changeStep(key === "+" ? 1 : -1);
   if (!motion) return;
   event.preventDefault();
-  if (!event.repeat && !byId("jog").querySelector("[data-jog]").disabled) press(motion, key);
+  if (!event.repeat && !byId("jog").querySelector("[data-jog]").disabled) press(motion, event.code);
+}
+
+function keyUp(event) {
+  if (!pressed || !pressed.down || !pressed.code) return;
+  if (event.code === pressed.code) letGo();
+  else drop();
 }
 
 export function prepareJog() {
   const panel = byId("jog");
   panel.querySelectorAll("[data-jog]").forEach(prepareButton);
   panel.addEventListener("keydown", keyDown);
-  panel.addEventListener("keyup", event => pressed && pressed.source === event.key.toLowerCase() && letGo());
+  panel.addEventListener("keyup", keyUp);
   panel.addEventListener("focusin", () => put("keys-on", "Keys move the arm"));
   panel.addEventListener("focusout", event => {
     if (panel.contains(event.relatedTarget)) return;
