@@ -9,6 +9,10 @@
 namespace planar {
 namespace {
 
+/// With less of a trend's shape apart from the place, a field that is not quite as it is modelled
+/// passes for a trend.
+constexpr double kLeastApart = 0.3;
+
 /// The most likely explanation of the errors with or without some step, and the outliers that go
 /// with it.
 struct Explanation {
@@ -240,10 +244,13 @@ std::optional<ErrorTrend> find_trend(const std::vector<TimedError>& errors) {
   const SmoothErrors smooth(asked, SlowDrift::kNone);
   const Explanation without = without_step(smooth);
   Explanation best = without;
-  for (const StepFrame frame : frames)
-    if (Explanation with = with_step(smooth, {0, frame, true}, without);
+  for (const StepFrame frame : frames) {
+    const StepShape shape{0, frame, true};
+    if (smooth.apart_from_place(shape) < kLeastApart) continue;
+    if (Explanation with = with_step(smooth, shape, without);
         with.fit.log_likelihood > best.fit.log_likelihood)
       best = std::move(with);
+  }
   if (!best.step || !is_step(best, without, frames.size())) return std::nullopt;
   ErrorTrend trend{best.fit.step, best.fit.step_sigma};
   if (frames.size() > 1) trend.frame = best.step->frame;

@@ -46,6 +46,7 @@ std::optional<double> noise_of(const std::vector<TimedError>& errors);
 
 /// Looks for a linear trend in time, as find_change() looks for a step; errors that do not drift
 /// are called drifting once in 1 / kFalseAlarm recordings.
+/// Empty, too, where places were visited in such an order that the field explains it as well.
 std::optional<ErrorTrend> find_trend(const std::vector<TimedError>& errors);
 
 }  // namespace planar

@@ -92,6 +92,21 @@ Eigen::MatrixX2d SmoothErrors::shape(const StepShape& step) const {
   return shape;
 }
 
+double SmoothErrors::apart_from_place(const StepShape& step) const {
+  constexpr int kHighest = 4;
+  Eigen::MatrixXd powers(size(), 0);
+  for (int i = 0; i <= kHighest; ++i)
+    for (int j = 0; i + j <= kHighest; ++j) {
+      powers.conservativeResize(Eigen::NoChange, powers.cols() + 1);
+      powers.rightCols<1>() = fixed_.col(1).array().pow(i) * fixed_.col(2).array().pow(j);
+    }
+  Eigen::MatrixXd whole = shape(step);
+  whole.rowwise() -= whole.colwise().mean().eval();
+  Eigen::MatrixXd apart = whole;
+  take_out(powers, apart);
+  return apart.squaredNorm() / whole.squaredNorm();
+}
+
 Eigen::MatrixXd SmoothErrors::factor(const ErrorTuning& tuning, const Outliers& outliers) const {
   Eigen::MatrixXd covariance = std::exp(tuning.field) * matern(distances_, std::exp(tuning.width));
   if (drifts_) covariance += std::exp(tuning.drift) * drift_;

@@ -79,6 +79,10 @@ class SmoothErrors {
   /// Returns what a step of one metre along x of its frame adds to each error.
   Eigen::MatrixX2d shape(const StepShape& step) const;
 
+  /// Returns the share of a shape's variance over the places that no smooth function of the place,
+  /// a polynomial of the fourth degree, gives: small where time tells the place.
+  double apart_from_place(const StepShape& step) const;
+
   /// Returns whether an error that the others predict with this deviation is more likely an
   /// outlier.
   static bool is_outlier(double distance, double deviation);
