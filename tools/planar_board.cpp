@@ -15,7 +15,7 @@ constexpr char kTool[] = "tool";
 
 const ProgramText kText{
     "planar-board",
-    "planar-board circles|chessboard:COLSxROWS:PITCHmm [--page A4|A3|WIDTHxHEIGHTmm]\n"
+    "planar-board circles|acircles|chessboard:COLSxROWS:PITCHmm [--page A4|A3|WIDTHxHEIGHTmm]\n"
     "                    -o board.svg|board.pdf\n"
     "       planar-board tool --cell cell.yaml [--reflector-mm X,Y] [--ball-mm D] [--page PAGE]\n"
     "                    -o mount.svg|mount.pdf",

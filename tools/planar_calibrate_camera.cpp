@@ -13,7 +13,7 @@ namespace {
 
 const ProgramText kText{
     "planar-calibrate-camera",
-    "planar-calibrate-camera --grid circles|chessboard:COLSxROWS:PITCHmm [--model M] "
+    "planar-calibrate-camera --grid circles|acircles|chessboard:COLSxROWS:PITCHmm [--model M] "
     "[--report FILE.html|none] -o camera.yaml IMAGE|RECORDING...",
     R"(images used         6 (0 rejected)
 model               plumb_bob_k1
@@ -70,7 +70,8 @@ Outcome calibrate(const Options& options) {
 void add_options(CLI::App& app, Options& options) {
   add_required(
       app, "--grid", options.grid, "GRID",
-      "circles:COLSxROWS:PITCHmm, or chessboard:COLSxROWS:PITCHmm, which counts inner corners");
+      "circles:COLSxROWS:PITCHmm; acircles:4x11:20mm for rows shifted by a pitch, half of that "
+      "between the dots of a row; or chessboard:COLSxROWS:PITCHmm, which counts inner corners");
   add_value(
       app, "--model", options.model,
       "pinhole|plumb_bob_k1|plumb_bob|rational_polynomial|opencv_14|equidistant|visp|auto",

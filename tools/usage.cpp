@@ -12,7 +12,8 @@ namespace {
 constexpr const char* kFolders[] = {"DIR", "RECORDING"};
 constexpr const char* kAnyFile[] = {"FILE", "PROGRAM"};
 constexpr char kBoard[] = "BOARD";
-constexpr const char* kBoards[] = {"circles:11x11:50mm", "chessboard:9x6:25mm"};
+constexpr const char* kBoards[] = {"circles:11x11:50mm", "acircles:4x11:20mm",
+                                   "chessboard:9x6:25mm"};
 constexpr char kImage[] = "IMAGE";
 constexpr const char* kImages[] = {"*.png", "*.pgm", "*.jpg", "*.tif", "*.tiff", "*.bmp"};
 

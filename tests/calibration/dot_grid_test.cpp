@@ -56,6 +56,69 @@ TEST_CASE("Bright dots on dark ground are found too") {
   CHECK(largest_center_error_px(sight, X_CG) < kCenterTolerance_px);
 }
 
+TEST_CASE(
+    "Of a grid that is partly covered the dots that are seen are found, where that is asked for") {
+  const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.3, 1.0, 0.1);
+  const cv::Mat whole =
+      test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG);
+  const BoardSight all = find_board(whole, kSmallBoard);
+  const auto covered = [&](std::size_t from, std::size_t to) {
+    cv::Mat image = whole.clone();
+    Eigen::Vector2d least = all.pixels[from], most = least;
+    for (std::size_t i = from; i <= to; ++i) {
+      least = least.cwiseMin(all.pixels[i]);
+      most = most.cwiseMax(all.pixels[i]);
+    }
+    const cv::Point corner(cvRound(least.x()) - 20, cvRound(least.y()) - 20);
+    cv::rectangle(image, corner, {cvRound(most.x()) + 20, cvRound(most.y()) + 20}, 120, cv::FILLED);
+    return image;
+  };
+  const BoardSight some = find_board(covered(15, 17), kSmallBoard, BoardPart::kMost);
+  INFO(some.reason);
+  REQUIRE(some.pixels.size() >= 28);  // 3 are covered, and the rims of two more
+  REQUIRE(some.seen.size() == some.pixels.size());
+  const auto points = seen_points(kSmallBoard, some);
+  for (std::size_t i = 0; i < some.seen.size(); ++i) {
+    CHECK((some.seen[i] < 15 || some.seen[i] > 17));
+    CHECK((some.pixels[i] - all.pixels[some.seen[i]]).norm() < kCenterTolerance_px);
+    CHECK(points[i] == board_points(kSmallBoard)[some.seen[i]]);
+  }
+  CHECK_FALSE(find_board(covered(15, 17), kSmallBoard).found());
+  CHECK_FALSE(find_board(covered(0, 6), kSmallBoard, BoardPart::kMost).found());  // a whole row
+  CHECK_FALSE(find_board(covered(9, 28), kSmallBoard, BoardPart::kMost).found());
+}
+
+TEST_CASE("A board whose dark rim has its middle in a dot is found") {
+  const Pose X_CG = test::board_before_camera(kSmallBoard, 0.35, 0.0, 0.0, 0.05);
+  cv::Mat image = test::picture_of_dots(test::small_camera(), kSmallBoard, kDotDiameter, X_CG);
+  const Eigen::Vector2d middle = find_board(image, kSmallBoard).pixels[17];
+  cv::rectangle(image, cv::Point(cvRound(middle.x()) - 225, cvRound(middle.y()) - 195),
+                cv::Point(cvRound(middle.x()) + 225, cvRound(middle.y()) + 195), 60, 12);
+  CHECK(find_board(image, kSmallBoard).found());
+}
+
+TEST_CASE("An asymmetric grid is found in OpenCV's order, however it is turned") {
+  const Board board = parse_board("acircles:4x7:20mm");
+  REQUIRE(board_points(board)[5] == Eigen::Vector2d(0.06, 0.02));
+  for (const double turn : {0.0, 1.0, 3.0, 4.5}) {
+    const Pose X_CG = test::board_before_camera(board, 0.45, 0.3, 1.0, turn);
+    cv::Mat image(480, 640, CV_8UC1, cv::Scalar(210));
+    std::vector<Eigen::Vector2d> centers;
+    for (const Eigen::Vector2d& p : board_points(board)) {
+      centers.push_back(
+          project(test::small_camera(), X_CG * Eigen::Vector3d(p.x(), p.y(), 0.0)).value());
+      cv::circle(image,
+                 cv::Point(cvRound(16.0 * centers.back().x()), cvRound(16.0 * centers.back().y())),
+                 16 * 9, 40, cv::FILLED, cv::LINE_AA, 4);
+    }
+    const BoardSight sight = find_board(image, board);
+    INFO(sight.reason);
+    REQUIRE(sight.pixels.size() == centers.size());
+    for (std::size_t i = 0; i < centers.size(); ++i)
+      CHECK((sight.pixels[i] - centers[i]).norm() < kDrawnCenterTolerance_px);
+  }
+}
+
 TEST_CASE("A grid is never taken mirrored and its x axis points most to the right") {
   const Board square{Board::Kind::kCircles, 5, 5, 0.03};
   for (const double turn : {0.0, 1.0, 2.5, 4.0}) {
@@ -132,6 +195,8 @@ TEST_CASE("A chessboard's inner corners are found, not mirrored") {
       if ((row + column) % 2 == 0) cv::rectangle(image, square, 30, cv::FILLED);
     }
   }
+  CHECK_THAT(find_board(image, {Board::Kind::kChessboard, 7, 4, 0.03}).reason,
+             Catch::Contains("6 x 4 inner corners is seen"));
   const BoardSight sight = find_board(image, board);
   REQUIRE(sight.found());
   const Eigen::Vector2d x = sight.pixels[5] - sight.pixels[0];

@@ -1,5 +1,7 @@
 #include "planar_servo/calibration/board.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +12,7 @@
 
 #include "planar_servo/calibration/dots.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/statistics.h"
 #include "planar_servo/core/units.h"
 
 namespace planar {
@@ -19,8 +22,14 @@ namespace {
 /// each.
 constexpr int kFirstSize_px = 1280;
 
+/// Returns whether a dot's nearest neighbours lie on the diagonals of the board's places.
+bool has_diagonal_steps(const Board& board) {
+  return board.kind == Board::Kind::kAsymmetricCircles;
+}
+
 struct RoughGrid {
-  std::vector<Dot> dots;  ///< row by row, in pixels of the full image; empty when not found
+  std::vector<Dot> dots;          ///< row by row, in pixels of the full image
+  std::vector<std::size_t> seen;  ///< which of the board's dots these are
   std::size_t most_found{0};
 };
 
@@ -29,7 +38,7 @@ Dot enlarged(const Dot& dot, double factor) {
   return {factor * (dot.center + half) - half, factor * dot.shape};
 }
 
-RoughGrid find_dark_grid(const cv::Mat& image, int columns, int rows, int factor) {
+RoughGrid find_dark_grid(const cv::Mat& image, const Board& board, int factor) {
   cv::Mat small = image;
   if (factor > 1) cv::resize(image, small, {}, 1.0 / factor, 1.0 / factor, cv::INTER_AREA);
   const std::vector<Dot> dots = find_dark_dots(small);
@@ -39,66 +48,111 @@ RoughGrid find_dark_grid(const cv::Mat& image, int columns, int rows, int factor
     centers.push_back(dot.center);
     sizes.push_back(std::sqrt(dot.area()));
   }
-  const LatticeFit lattice = find_lattice(centers, sizes, columns, rows);
-  RoughGrid grid;
-  grid.most_found = lattice.most_found;
+  const LatticeFit lattice =
+      find_lattice(centers, sizes, {board_places(board), has_diagonal_steps(board)});
+  RoughGrid grid{{}, lattice.places, lattice.most_found};
   for (const std::size_t i : lattice.indices) grid.dots.push_back(enlarged(dots[i], factor));
   return grid;
 }
 
-/// Searches the coarsest image first, and each image for dark dots before bright ones.
-RoughGrid find_rough_grid(const cv::Mat& image, int columns, int rows) {
+/// Searches the coarsest image first, and each image for dark dots before bright ones. Returns the
+/// grid with the most dots.
+RoughGrid find_rough_grid(const cv::Mat& image, const Board& board) {
   int factor = 1;
   while (std::max(image.cols, image.rows) > kFirstSize_px * factor) factor *= 2;
-  std::size_t most_found = 0;
+  RoughGrid best;
   for (; factor >= 1; factor /= 2) {
     for (const bool bright : {false, true}) {
       const cv::Mat shown = bright ? cv::Mat(255 - image) : image;
-      RoughGrid grid = find_dark_grid(shown, columns, rows, factor);
-      if (!grid.dots.empty()) return grid;
-      most_found = std::max(most_found, grid.most_found);
+      RoughGrid grid = find_dark_grid(shown, board, factor);
+      if (grid.dots.size() == board.points()) return grid;
+      const std::size_t most_found = std::max(best.most_found, grid.most_found);
+      if (grid.dots.size() > best.dots.size()) best = std::move(grid);
+      best.most_found = most_found;
     }
   }
-  return {{}, most_found};
+  return best;
 }
 
-/// Finds a grid of columns x rows round dots, dark on bright or bright on dark, in an 8-bit grey
-/// image. It finds dots in a reduced image, grows their lattice from one dot to its neighbours, and
-/// then measures each centre in the full image (see measure_dot()). The image may show other marks,
-/// but no further row of dots.
-BoardSight find_dot_grid(const cv::Mat& image, int columns, int rows) {
-  const RoughGrid rough = find_rough_grid(image, columns, rows);
-  const std::string wanted = std::to_string(columns) + " x " + std::to_string(rows) + " dots";
-  BoardSight sight;
-  if (rough.dots.empty()) {
-    sight.reason = "no grid of " + wanted + " found (" + std::to_string(rough.most_found) +
-                   " dots in the largest lattice)";
-    sight.dots_in_a_grid = rough.most_found;
-    return sight;
-  }
+/// Returns those of the dots that have a clear outline; of a board of which something covers dots,
+/// those that have one as clear as the others: what covers dots may lie on the rims of more.
+BoardSight measured_dots(const cv::Mat& image, const RoughGrid& rough, bool is_whole) {
+  constexpr double kMostOfSigma = 1.4;
+  std::vector<std::optional<Dot>> measured;
+  std::vector<double> sigmas;
   for (const Dot& dot : rough.dots) {
-    const auto measured = measure_dot(image, dot);
-    if (!measured) return {{}, {}, {}, "one of the " + wanted + " has no clear outline"};
-    sight.pixels.push_back(measured->center);
-    sight.dot_areas_px2.push_back(measured->area());
-    sight.dot_sigmas_px.push_back(measured->sigma);
+    measured.push_back(measure_dot(image, dot));
+    if (measured.back()) sigmas.push_back(measured.back()->sigma);
+  }
+  const double limit = is_whole || sigmas.empty() ? HUGE_VAL : kMostOfSigma * median(sigmas);
+  BoardSight sight;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (!measured[i] || measured[i]->sigma > limit) continue;
+    sight.pixels.push_back(measured[i]->center);
+    sight.dot_areas_px2.push_back(measured[i]->area());
+    sight.dot_sigmas_px.push_back(measured[i]->sigma);
+    sight.seen.push_back(rough.seen[i]);
   }
   return sight;
+}
+
+/// Finds a board's grid of round dots, dark on bright or bright on dark, in an 8-bit grey image. It
+/// finds dots in a reduced image, grows their lattice from one dot to its neighbours, and then
+/// measures each centre in the full image (see measure_dot()). The image may show other marks, but
+/// no further row of dots.
+BoardSight find_dot_grid(const cv::Mat& image, const Board& board, BoardPart part) {
+  const RoughGrid rough = find_rough_grid(image, board);
+  const std::size_t all = board.points();
+  const std::size_t least = part == BoardPart::kWhole ? all : (all + 1) / 2;
+  const std::string wanted = fmt::format("grid of {} x {} dots", board.columns, board.rows);
+  const bool is_other = rough.dots.size() < all && rough.most_found > all;
+  BoardSight sight = measured_dots(image, rough, rough.dots.size() == all);
+  if (!rough.dots.empty() && !is_other && sight.pixels.size() >= least) {
+    if (sight.pixels.size() == all) sight.seen.clear();
+    return sight;
+  }
+  BoardSight none;
+  none.dots_in_a_grid = rough.most_found;
+  if (rough.dots.empty() || is_other)
+    none.reason =
+        fmt::format("no {} found ({} dots in the largest lattice)", wanted, rough.most_found);
+  else if (rough.dots.size() < least)
+    none.reason = fmt::format("no whole {}: {} dots seen, the others are covered or blurred",
+                              wanted, rough.dots.size());
+  else
+    none.reason = fmt::format("{} dots of the {} have no clear outline",
+                              rough.dots.size() - sight.pixels.size(), wanted);
+  return none;
 }
 
 /// Longest side of the image that is searched for a chessboard, or for any board at a glance.
 constexpr int kSearchSize_px = 1280;
 
+/// Finds the inner corners of a chessboard, or says why not. OpenCV's sector-based finder needs no
+/// white border and tells the count of another board; the older one takes tens of seconds to find
+/// none, and so is asked only where no board at all is seen.
+std::string find_corners(const cv::Mat& image, const cv::Size& pattern,
+                         std::vector<cv::Point2f>& corners) {
+  if (cv::findChessboardCornersSB(image, pattern, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) return "";
+  cv::Mat seen;
+  std::vector<cv::Point2f> others;
+  if (cv::findChessboardCornersSB(image, {3, 3}, others,
+                                  cv::CALIB_CB_LARGER | cv::CALIB_CB_NORMALIZE_IMAGE, seen))
+    return fmt::format("a chessboard of {} x {} inner corners is seen, not one of {} x {}",
+                       seen.cols, seen.rows, pattern.width, pattern.height);
+  constexpr int kFlags =
+      cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
+  return cv::findChessboardCorners(image, pattern, corners, kFlags) ? "" : "no chessboard found";
+}
+
 BoardSight find_chessboard(const cv::Mat& image, const Board& board) {
-  const cv::Size pattern(board.columns, board.rows);
   const double scale =
       std::min(1.0, kSearchSize_px / static_cast<double>(std::max(image.cols, image.rows)));
   cv::Mat small;
   cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
   std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCorners(small, pattern, corners)) {
-    return {{}, {}, {}, "no chessboard of that size found"};
-  }
+  const std::string fault = find_corners(small, {board.columns, board.rows}, corners);
+  if (!fault.empty()) return {{}, {}, {}, fault};
   for (cv::Point2f& corner : corners)
     corner = (corner + cv::Point2f(0.5F, 0.5F)) / scale - cv::Point2f(0.5F, 0.5F);
   const double square_px = cv::norm(corners[1] - corners[0]);
@@ -125,14 +179,15 @@ void make_right_handed(const Board& board, std::vector<Eigen::Vector2d>& pixels)
 }  // namespace
 
 Board parse_board(const std::string& text, BoardUse use) {
-  static const std::regex form(R"((circles|chessboard):(\d{1,3})x(\d{1,3}):(\?|(\d+(\.\d+)?)mm))");
+  static const std::regex form(
+      R"((a?circles|chessboard):(\d{1,3})x(\d{1,3}):(\?|(\d+(\.\d+)?)mm))");
   std::smatch match;
   if (!std::regex_match(text, match, form))
     throw InputError("grid '" + text +
-                     "' is not circles:COLSxROWS:PITCHmm or chessboard:COLSxROWS:PITCHmm, such as "
-                     "circles:11x11:50mm");
+                     "' is not circles:COLSxROWS:PITCHmm, acircles:COLSxROWS:PITCHmm or "
+                     "chessboard:COLSxROWS:PITCHmm, such as circles:11x11:50mm");
   Board board;
-  board.kind = match[1] == "circles" ? Board::Kind::kCircles : Board::Kind::kChessboard;
+  board.kind = value_named(kBoardKinds, match[1].str()).value();
   board.columns = std::stoi(match[2]);
   board.rows = std::stoi(match[3]);
   board.pitch_known = match[4] != "?";
@@ -146,18 +201,36 @@ Board parse_board(const std::string& text, BoardUse use) {
   return board;
 }
 
+std::vector<Eigen::Vector2i> board_places(const Board& board) {
+  std::vector<Eigen::Vector2i> places;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      places.emplace_back(has_diagonal_steps(board) ? 2 * column + row % 2 : column, row);
+  return places;
+}
+
+Eigen::Vector2d board_extent(const Board& board) {
+  return {has_diagonal_steps(board) ? 2 * board.columns - 1 : board.columns - 1, board.rows - 1};
+}
+
 std::vector<Eigen::Vector2d> board_points(const Board& board) {
   std::vector<Eigen::Vector2d> points;
-  for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column)
-      points.emplace_back(column * board.pitch, row * board.pitch);
-  }
+  for (const Eigen::Vector2i& place : board_places(board))
+    points.emplace_back(board.pitch * place.cast<double>());
   return points;
 }
 
-BoardSight find_board(const cv::Mat& image, const Board& board) {
+std::vector<Eigen::Vector2d> seen_points(const Board& board, const BoardSight& sight) {
+  const std::vector<Eigen::Vector2d> all = board_points(board);
+  if (sight.seen.empty()) return all;
+  std::vector<Eigen::Vector2d> seen;
+  for (const std::size_t i : sight.seen) seen.push_back(all[i]);
+  return seen;
+}
+
+BoardSight find_board(const cv::Mat& image, const Board& board, BoardPart part) {
   if (image.type() != CV_8UC1) throw std::invalid_argument("find_board: not an 8-bit grey image");
-  if (board.kind == Board::Kind::kCircles) return find_dot_grid(image, board.columns, board.rows);
+  if (board.has_dots()) return find_dot_grid(image, board, part);
   BoardSight sight = find_chessboard(image, board);
   if (sight.found()) make_right_handed(board, sight.pixels);
   return sight;

@@ -207,6 +207,8 @@ constexpr double kPredictionTolerance = 0.3;
 constexpr std::size_t kNeighbours = 8;
 /// Ratio of the sizes of neighbours between which a lattice starts.
 constexpr double kLikeSize = 1.6;
+/// Ratio of the sizes of neighbours, one of which may mark the board's origin.
+constexpr double kMostUnlike = 3.0;
 
 Cell operator+(const Cell& a, const Cell& b) {
   return {a[0] + b[0], a[1] + b[1]};
@@ -214,35 +216,40 @@ Cell operator+(const Cell& a, const Cell& b) {
 Cell operator-(const Cell& a, const Cell& b) {
   return {a[0] - b[0], a[1] - b[1]};
 }
-Cell operator*(int k, const Cell& a) {
-  return {k * a[0], k * a[1]};
-}
 
 class LatticeSearch {
  public:
   LatticeSearch(const std::vector<Eigen::Vector2d>& points, const std::vector<double>& sizes,
-                int columns, int rows)
-      : points_(points), sizes_(sizes), columns_(columns), rows_(rows) {}
+                const LatticeForm& form)
+      : points_(points), sizes_(sizes), form_(form) {
+    for (const Eigen::Vector2i& place : form.places) extent_ = extent_.cwiseMax(place);
+  }
 
-  LatticeFit run() {
+  LatticeFit run() const {
     LatticeFit best;
     for (std::size_t seed = 0; seed < points_.size(); ++seed) {
       for (const Cells& start : starts_at(seed)) {
         const Cells cells = grown(start);
-        best.most_found = std::max(best.most_found, cells.size());
-        best.indices = window(cells);
-        if (!best.indices.empty()) return best;
+        const std::size_t most_found = std::max(best.most_found, cells.size());
+        LatticeFit fit = fitted(cells);
+        if (fit.indices.size() > best.indices.size()) best = std::move(fit);
+        best.most_found = most_found;
+        if (best.indices.size() == form_.places.size()) return best;
       }
     }
     return best;
   }
 
  private:
+  bool alike(std::size_t a, std::size_t b, double most) const {
+    const double ratio = sizes_[a] / sizes_[b];
+    return ratio < most && ratio > 1.0 / most;
+  }
+
   std::vector<std::size_t> like_neighbours(std::size_t seed) const {
     std::vector<std::size_t> others;
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double ratio = sizes_[i] / sizes_[seed];
-      if (i != seed && ratio < kLikeSize && ratio > 1.0 / kLikeSize) others.push_back(i);
+      if (i != seed && alike(i, seed, kLikeSize)) others.push_back(i);
     }
     const auto nearer = [&](std::size_t a, std::size_t b) {
       return (points_[a] - points_[seed]).squaredNorm() <
@@ -260,7 +267,7 @@ class LatticeSearch {
     std::vector<std::array<std::size_t, 2>> axes;
     for (std::size_t a = 0; a < near.size(); ++a) {
       const Eigen::Vector2d step = points_[near[a]] - points_[seed];
-      const auto opposite = nearest(points_[seed] - step, kPredictionTolerance * step.norm());
+      const auto opposite = nearest(points_[seed] - step, kPredictionTolerance * step.norm(), seed);
       if (!opposite) continue;
       const auto position = std::find(near.begin(), near.end(), *opposite);
       if (position > near.begin() + a && position != near.end())
@@ -279,12 +286,14 @@ class LatticeSearch {
     return starts;
   }
 
-  std::optional<std::size_t> nearest(const Eigen::Vector2d& place, double within) const {
+  /// Returns the nearest point whose size is not quite another than that of point `like`.
+  std::optional<std::size_t> nearest(const Eigen::Vector2d& place, double within,
+                                     std::size_t like) const {
     std::optional<std::size_t> best;
     double best_distance = within;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const double distance = (points_[i] - place).norm();
-      if (distance < best_distance) {
+      if (distance < best_distance && alike(i, like, kMostUnlike)) {
         best = i;
         best_distance = distance;
       }
@@ -314,7 +323,7 @@ class LatticeSearch {
       taken.insert(index);
       open.push_back(cell);
     }
-    const int reach = columns_ + rows_;
+    const int reach = extent_.sum() + 2;
     while (!open.empty()) {
       const Cell cell = open.back();
       open.pop_back();
@@ -323,8 +332,8 @@ class LatticeSearch {
         if (cells.count(target) != 0 || std::abs(target[0]) + std::abs(target[1]) > reach) continue;
         const auto step = step_from(cells, cell, direction);
         if (!step) continue;
-        const auto found =
-            nearest(points_[cells.at(cell)] + *step, kPredictionTolerance * step->norm());
+        const auto found = nearest(points_[cells.at(cell)] + *step,
+                                   kPredictionTolerance * step->norm(), cells.at(cell));
         if (!found || !taken.insert(*found).second) continue;
         cells[target] = *found;
         open.push_back(target);
@@ -333,60 +342,94 @@ class LatticeSearch {
     return cells;
   }
 
-  /// Returns the indices under the window at `origin` with the given axes. Empty when one is
-  /// missing.
-  std::vector<std::size_t> under(const Cells& cells, const Cell& origin, const Cell& x_axis,
-                                 const Cell& y_axis) const {
-    std::vector<std::size_t> indices;
-    for (int row = 0; row < rows_; ++row) {
-      for (int column = 0; column < columns_; ++column) {
-        const auto found = cells.find(origin + column * x_axis + row * y_axis);
-        if (found == cells.end()) return {};
-        indices.push_back(found->second);
-      }
+  /// Returns the points at the form's places when the first of these is at `origin`.
+  LatticeFit under(const Cells& cells, const Cell& origin) const {
+    LatticeFit fit;
+    for (std::size_t i = 0; i < form_.places.size(); ++i) {
+      const Eigen::Vector2i& place = form_.places[i];
+      const auto found = cells.find(origin + Cell{place.x(), place.y()});
+      if (found == cells.end()) continue;
+      fit.indices.push_back(found->second);
+      fit.places.push_back(i);
     }
-    return indices;
+    return fit;
   }
 
-  /// Returns the indices under the window of columns x rows that the cells fill. Empty when they
-  /// fill none, or when the window fits in several places.
-  std::vector<std::size_t> window(const Cells& cells) const {
-    if (cells.size() < static_cast<std::size_t>(columns_) * rows_) return {};
-    std::vector<std::size_t> best;
-    double most_right = -2.0;
-    const std::array<Cell, 4> axes{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-    for (const Cell& x_axis : axes) {
-      for (const Cell& y_axis : axes) {
-        if (x_axis[0] * y_axis[0] + x_axis[1] * y_axis[1] != 0) continue;
-        int places = 0;
-        for (const auto& [origin, index] : cells) {
-          const auto indices = under(cells, origin, x_axis, y_axis);
-          if (indices.empty()) continue;
-          const auto last_row = static_cast<std::size_t>(columns_) * (rows_ - 1);
-          const Eigen::Vector2d x = points_[indices[columns_ - 1]] - points_[indices[0]];
-          const Eigen::Vector2d y = points_[indices[last_row]] - points_[indices[0]];
-          if (cross2d(x, y) < 0.0) continue;
-          if (++places > 1) return {};
-          if (x.normalized().x() <= most_right) continue;
-          most_right = x.normalized().x();
-          best = indices;
-        }
+  /// Returns the cells in steps along the form's axes, turned by quarters.
+  Cells turned(const Cells& cells, int quarters, bool mirrored) const {
+    Cells result;
+    for (const auto& [cell, index] : cells) {
+      Cell at = form_.diagonal ? Cell{cell[0] - cell[1], cell[0] + cell[1]} : cell;
+      if (mirrored) at[0] = -at[0];
+      for (int i = 0; i < quarters; ++i) at = {-at[1], at[0]};
+      result[at] = index;
+    }
+    return result;
+  }
+
+  /// Returns the only full place of the form among the cells, or else the place of cells that reach
+  /// just as far as the form in every direction and all lie on it.
+  LatticeFit placed(const Cells& cells) const {
+    LatticeFit whole;
+    Cell least = cells.begin()->first, most = least;
+    for (const auto& [cell, index] : cells) {
+      LatticeFit fit = under(cells, cell);
+      if (fit.indices.size() == form_.places.size()) {
+        if (!whole.indices.empty()) return {};
+        whole = std::move(fit);
+      }
+      for (const std::size_t axis : {0, 1}) {
+        least[axis] = std::min(least[axis], cell[axis]);
+        most[axis] = std::max(most[axis], cell[axis]);
       }
     }
+    if (!whole.indices.empty()) return whole;
+    if (most[0] - least[0] != extent_.x() || most[1] - least[1] != extent_.y()) return {};
+    LatticeFit part = under(cells, least);
+    return part.indices.size() == cells.size() ? part : LatticeFit{};
+  }
+
+  /// Returns the pixels that a step along x and one along y make, by least squares.
+  Eigen::Matrix2d steps_px(const LatticeFit& fit) const {
+    Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+    Eigen::Matrix<double, 3, 2> b = Eigen::Matrix<double, 3, 2>::Zero();
+    for (std::size_t i = 0; i < fit.indices.size(); ++i) {
+      const Eigen::Vector3d place = form_.places[fit.places[i]].cast<double>().homogeneous();
+      N += place * place.transpose();
+      b += place * points_[fit.indices[i]].transpose();
+    }
+    return (N.inverse() * b).topRows<2>().transpose();
+  }
+
+  LatticeFit fitted(const Cells& cells) const {
+    LatticeFit best;
+    if (2 * cells.size() < form_.places.size()) return best;
+    double most_right = -2.0;
+    for (const bool mirrored : {false, true})
+      for (int quarters = 0; quarters < 4; ++quarters) {
+        LatticeFit fit = placed(turned(cells, quarters, mirrored));
+        if (fit.indices.empty() || fit.indices.size() < best.indices.size()) continue;
+        const Eigen::Matrix2d steps = steps_px(fit);
+        const double right = steps.col(0).normalized().x();
+        const bool better = right > most_right || fit.indices.size() > best.indices.size();
+        if (steps.determinant() < 0.0 || !better) continue;
+        most_right = right;
+        best = std::move(fit);
+      }
     return best;
   }
 
   const std::vector<Eigen::Vector2d>& points_;
   const std::vector<double>& sizes_;
-  int columns_;
-  int rows_;
+  const LatticeForm& form_;
+  Eigen::Vector2i extent_{0, 0};
 };
 
 }  // namespace
 
 LatticeFit find_lattice(const std::vector<Eigen::Vector2d>& points,
-                        const std::vector<double>& sizes, int columns, int rows) {
-  return LatticeSearch(points, sizes, columns, rows).run();
+                        const std::vector<double>& sizes, const LatticeForm& form) {
+  return LatticeSearch(points, sizes, form).run();
 }
 
 }  // namespace planar

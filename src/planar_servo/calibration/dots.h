@@ -28,18 +28,26 @@ std::vector<Dot> find_dark_dots(const cv::Mat& image);
 /// not shift the outline. Empty when there is no such outline.
 std::optional<Dot> measure_dot(const cv::Mat& image, const Dot& rough);
 
-/// Holds the indices of the points that form a lattice of columns x rows, row by row. Every point
-/// of the lattice must be there. The order is not mirrored (x turns to y as u turns to v), and the
-/// x axis points most to the right among the orientations that the counts allow. Points outside the
-/// lattice are ignored, but a lattice with a further row or column is ambiguous and is not found.
+/// The lattice that is wanted.
+struct LatticeForm {
+  std::vector<Eigen::Vector2i> places;  ///< row by row, in steps along x and y from the first one
+  bool diagonal{false};  ///< the nearest places are those one step along both x and y
+};
+
+/// Holds the points that form a lattice, row by row. The order is not mirrored (x turns to y as u
+/// turns to v), and the x axis points most to the right among the orientations that the form
+/// allows. Points outside the lattice are ignored, but one with a further row or column is
+/// ambiguous and is not found. Of one that is not whole, at least half is there, and at least one
+/// point of every outer row and column.
 struct LatticeFit {
-  std::vector<std::size_t> indices;  ///< empty when there is no such lattice
+  std::vector<std::size_t> indices;  ///< of points; empty when there is no such lattice
+  std::vector<std::size_t> places;   ///< which places of the form they take
   std::size_t most_found{0};         ///< points of the largest lattice seen
 };
 
 /// Finds a lattice among `points`. `sizes` holds a length for each point, such as a dot's radius;
-/// the search starts between points of similar size.
+/// neighbours are of similar size.
 LatticeFit find_lattice(const std::vector<Eigen::Vector2d>& points,
-                        const std::vector<double>& sizes, int columns, int rows);
+                        const std::vector<double>& sizes, const LatticeForm& form);
 
 }  // namespace planar

@@ -47,11 +47,8 @@ std::optional<Eigen::Matrix3d> board_homography(const Board& board,
                                                 const std::vector<Eigen::Vector2d>& pixels) {
   if (pixels.size() < 4) return std::nullopt;
   std::vector<cv::Point2d> from, to;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const auto column = static_cast<int>(i) % board.columns;
-    from.emplace_back(column, (static_cast<int>(i) - column) / board.columns);
-    to.emplace_back(pixels[i].x(), pixels[i].y());
-  }
+  for (const Eigen::Vector2i& place : board_places(board)) from.emplace_back(place.x(), place.y());
+  for (const Eigen::Vector2d& pixel : pixels) to.emplace_back(pixel.x(), pixel.y());
   const cv::Mat found = cv::findHomography(from, to);
   if (found.empty()) return std::nullopt;
   Eigen::Matrix3d H;
@@ -99,18 +96,19 @@ std::optional<BoardStance> board_stance(const Board& board,
                                         const cv::Size& picture_px) {
   const auto H = board_homography(board, pixels);
   if (!H) return std::nullopt;
-  const Eigen::Vector3d middle =
-      *H * Eigen::Vector3d(0.5 * (board.columns - 1), 0.5 * (board.rows - 1), 1.0);
+  const Eigen::Vector2d extent = board_extent(board);
+  const Eigen::Vector3d middle = *H * (0.5 * extent).homogeneous();
   const Eigen::Vector2d middle_px = middle.hnormalized();
   const Eigen::Matrix2d pixels_per_pitch =
       (H->topLeftCorner<2, 2>() - middle_px * H->bottomLeftCorner<1, 2>()) / middle.z();
-  const double area_px2 =
-      std::abs(pixels_per_pitch.determinant()) * (board.columns - 1) * (board.rows - 1);
+  const double area_px2 = std::abs(pixels_per_pitch.determinant()) * extent.prod();
   BoardStance stance;
   stance.middle = (middle_px.array() + 0.5) / Eigen::Array2d(picture_px.width, picture_px.height);
   stance.size = std::sqrt(area_px2 / picture_px.area());
   stance.tilt = tilt_seen(*H, middle_px, picture_px);
-  stance.turn_period = board.columns == board.rows ? kPi / 2.0 : kPi;
+  stance.turn_period = board.kind == Board::Kind::kAsymmetricCircles ? 2.0 * kPi
+                       : board.columns == board.rows                 ? kPi / 2.0
+                                                                     : kPi;
   stance.turn = wrap_to_period(std::atan2(pixels_per_pitch(1, 0), pixels_per_pitch(0, 0)),
                                stance.turn_period);
   for (const PictureCorner corner : kPictureCorners)

@@ -16,9 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string board_text(const Board& board) {
-  return fmt::format("{}:{}x{}:{}mm",
-                     board.kind == Board::Kind::kCircles ? "circles" : "chessboard", board.columns,
-                     board.rows, board.pitch / kMillimetre);
+  return fmt::format("{}:{}x{}:{}mm", name_in(kBoardKinds, board.kind), board.columns, board.rows,
+                     board.pitch / kMillimetre);
 }
 
 nlohmann::json making_of_experiment(const ExperimentRequest& request) {

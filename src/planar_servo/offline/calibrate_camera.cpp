@@ -22,8 +22,8 @@ cv::Mat read_grey(const PictureSet& set, const std::filesystem::path& file, Faul
 }
 
 BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px,
-                                const Board& board) {
-  BoardSight sight = find_board(image, board);
+                                const Board& board, BoardPart part) {
+  BoardSight sight = find_board(image, board, part);
   for (Eigen::Vector2d& pixel : sight.pixels) pixel += Eigen::Vector2d(corner_px.x, corner_px.y);
   return sight;
 }
@@ -74,13 +74,14 @@ void add_picture(const Picture& picture, const cv::Mat& image, const Board& boar
   }
   problem.width_px = std::max(problem.width_px, corner.x + image.cols);
   problem.height_px = std::max(problem.height_px, corner.y + image.rows);
-  const BoardSight sight = find_board_on_sensor(image, corner, board);
+  const BoardSight sight = find_board_on_sensor(image, corner, board, BoardPart::kMost);
   if (!sight.found()) {
     views.rejected.push_back({name, sight.reason});
     return;
   }
-  spdlog::debug(fmt::format("{}: shows the whole board, {} points", name, sight.pixels.size()));
-  problem.views.push_back({name, board_points(board), sight.pixels, sight.dot_areas_px2});
+  spdlog::debug(
+      fmt::format("{}: shows {} of {} points", name, sight.pixels.size(), board.points()));
+  problem.views.push_back({name, seen_points(board, sight), sight.pixels, sight.dot_areas_px2});
 }
 
 /// Returns the size of an image that has the bounding box of the points in its middle.
@@ -121,7 +122,7 @@ BoardViews find_board_views(const std::vector<std::filesystem::path>& images, co
 BoardViews board_views_from_points(const std::filesystem::path& points, const Board& board,
                                    cv::Size size_px) {
   const std::vector<Eigen::Vector2d> pixels = read_board_pixels(points);
-  const std::size_t per_view = static_cast<std::size_t>(board.columns) * board.rows;
+  const std::size_t per_view = board.points();
   if (pixels.size() % per_view != 0)
     throw InputError(
         {fmt::format("has {} points", pixels.size()),

@@ -19,12 +19,12 @@ cv::Mat read_grey(const PictureSet& set, const std::filesystem::path& file, Faul
 /// Finds the board in an image whose first pixel is pixel `corner_px` of the sensor. The pixels
 /// found are those of the sensor. See find_board().
 BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px,
-                                const Board& board);
+                                const Board& board, BoardPart part = BoardPart::kWhole);
 
 /// Holds what the pictures of a board gave for a calibration.
 struct BoardViews {
   CalibrationProblem problem;
-  std::vector<RejectedView> rejected;         ///< pictures without the whole board
+  std::vector<RejectedView> rejected;         ///< pictures without the board
   std::vector<std::filesystem::path> inputs;  ///< the pictures and the tables that list them
 };
 

@@ -43,7 +43,7 @@ std::string place_of(const BoardStance& stance) {
 
 std::string words_of(const Board& board) {
   return fmt::format("{} x {} {}", board.columns, board.rows,
-                     board.kind == Board::Kind::kCircles ? "dots" : "corners");
+                     board.has_dots() ? "dots" : "corners");
 }
 
 BoardGuide::BoardGuide(Plan plan, const Board& board, const cv::Size& sensor_px, double exposure_s)
@@ -72,7 +72,7 @@ BoardAdvice BoardGuide::look(double t_s, const BoardSight& sight, std::size_t le
 }
 
 std::string BoardGuide::unseen(const BoardSight& sight) const {
-  const auto all = static_cast<std::size_t>(board_.columns) * static_cast<std::size_t>(board_.rows);
+  const std::size_t all = board_.points();
   if (sight.dots_in_a_grid < kFewestDots)
     return fmt::format("no board of {} in the picture", words_of(board_));
   if (sight.dots_in_a_grid > all)

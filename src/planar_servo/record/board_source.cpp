@@ -28,8 +28,7 @@ std::string more_views(Plan plan, std::size_t count) {
 }
 
 bool shows_much_of(const Board& board, const BoardSight& sight) {
-  const auto all = static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
-  return sight.found() || 2 * sight.dots_in_a_grid > all;
+  return sight.found() || 2 * sight.dots_in_a_grid > board.points();
 }
 
 }  // namespace

@@ -16,26 +16,22 @@ constexpr double kDotPitches = 0.4, kDotBorderPitches = 0.75;
 constexpr double kSquareBorderPitches = 2.0;  // the outer squares and as much white
 constexpr double kLeastPitch_mm = 1.0;        // that is proposed
 
-bool has_dots(const Board& board) {
-  return board.kind == Board::Kind::kCircles;
-}
-
 double pitch_mm(const Board& board) {
   return mm(board.pitch);
 }
 
 /// Returns a dot's diameter or a square's side.
 double mark_mm(const Board& board) {
-  return pitch_mm(board) * (has_dots(board) ? kDotPitches : 1.0);
+  return pitch_mm(board) * (board.has_dots() ? kDotPitches : 1.0);
 }
 
 /// Returns the pitches from the outer points to the drawing's edge.
 double border_pitches(const Board& board) {
-  return has_dots(board) ? kDotBorderPitches : kSquareBorderPitches;
+  return board.has_dots() ? kDotBorderPitches : kSquareBorderPitches;
 }
 
 Eigen::Vector2d size_pitches(const Board& board) {
-  return Eigen::Vector2d(board.columns - 1, board.rows - 1).array() + 2.0 * border_pitches(board);
+  return board_extent(board).array() + 2.0 * border_pitches(board);
 }
 
 std::string text_of(const std::string& words, const Board& board) {
@@ -44,7 +40,7 @@ std::string text_of(const std::string& words, const Board& board) {
       "Glue the "
       "sheet to a flat plate. Then measure the pitch over the whole board and state it: "
       "planar-calibrate-camera --grid {}:PITCHmm",
-      words, has_dots(board) ? "dots" : "squares", mark_mm(board),
+      words, board.has_dots() ? "dots" : "squares", mark_mm(board),
       words.substr(0, words.rfind(':')));
 }
 
@@ -57,7 +53,9 @@ std::string what_fits(const Board& board, const Eigen::Vector2d& room_mm) {
         fmt::format("the largest pitch that fits is {:g} mm; ", std::floor(10.0 * pitch) / 10.0);
   const Eigen::Vector2d pitches =
       (room_mm / pitch_mm(board)).array() - (2.0 * border_pitches(board) - 1.0);
-  const int columns = std::min(board.columns, static_cast<int>(std::floor(pitches.x())));
+  const double per_column = board.kind == Board::Kind::kAsymmetricCircles ? 2.0 : 1.0;
+  const int columns =
+      std::min(board.columns, static_cast<int>(std::floor(pitches.x() / per_column)));
   const int rows = std::min(board.rows, static_cast<int>(std::floor(pitches.y())));
   if (columns >= 3 && rows >= 3)
     text +=
@@ -92,14 +90,14 @@ BoardPage board_page(const std::string& words, const std::string& page) {
   drawn.rulers_mm = ruled.rulers_mm();
   drawn.page.size_mm = ruled.page_mm();
   drawn.page.draw = [drawn, ruled](Pen& pen) {
-    has_dots(drawn.board) ? draw_dots(pen, drawn) : draw_squares(pen, drawn);
+    drawn.board.has_dots() ? draw_dots(pen, drawn) : draw_squares(pen, drawn);
     ruled.draw(pen);
   };
   return drawn;
 }
 
 ReportList board_page_list(const BoardPage& drawn) {
-  const bool dots = has_dots(drawn.board);
+  const bool dots = drawn.board.has_dots();
   ReportList list;
   list.line("page", "{page_mm:g| x } mm", Eigen::Vector2d(drawn.page.size_mm * kMillimetre));
   list.line("board",
