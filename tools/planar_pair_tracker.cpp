@@ -38,7 +38,7 @@ constexpr double kThickest_mm = 1000.0;
 struct Options {
   std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, health_out,
       lays_out, pairs_out;
-  std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns, report;
+  std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns, unit{"mm"}, report;
   char separator{','};
   bool decimal_comma{false}, accept_step{false};
   double board_thickness_mm{0.0};
@@ -68,9 +68,12 @@ void add_options(CLI::App& app, Options& options) {
   add_value(app, "--tracker", options.tracker, "FILE",
             "the tracker's table of readings; by default RECORDING/tracker.csv");
   app.add_option("--tracker-columns", options.columns,
-                 "names of the columns in the tracker's table: x=X,y=Y,z=Z,id=NAME");
+                 "names of the columns in the tracker's table, or their numbers from 1 on: "
+                 "x=X,y=Y,z=Z,id=NAME or id=1,x=2,y=3,z=4");
+  add_choice(app, "--tracker-unit", options.unit, names_of(kTrackerUnits),
+             "the unit of x, y and z in the tracker's table");
   app.add_option("--separator", options.separator,
-                 "what separates the columns in the tracker's table")
+                 "what separates the columns in the tracker's table; ' ' for blanks and tabs")
       ->capture_default_str();
   app.add_flag("--decimal-comma", options.decimal_comma,
                "numbers in the tracker's table are written as 1,5");
@@ -114,7 +117,7 @@ std::optional<Board> board_of(const Options& options) {
     throw InputError("--workplane-from grid needs --grid circles:COLSxROWS:PITCHmm");
   const Board board =
       parse_board(options.grid, gives_plane ? BoardUse::kLengths : BoardUse::kShape);
-  if (!options.lays_out.empty() && board.kind != Board::Kind::kCircles)
+  if (!options.lays_out.empty() && !board.has_dots())
     throw InputError({"--lays-out needs a board of dots, not '" + options.grid + "'",
                       "lay one such as circles:11x11:50mm"});
   return board;
@@ -125,6 +128,7 @@ PairTrackerRequest read_request(const Options& options) {
     throw InputError("--decimal-comma needs another --separator than ',', such as ';'");
   const std::optional<Board> board = board_of(options);
   PairTrackerRequest request;
+  request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
   request.cell = read_cell(options.cell);
   check_outputs(options, request.cell);
   request.camera = read_cell_camera(request.cell);
@@ -134,8 +138,9 @@ PairTrackerRequest read_request(const Options& options) {
   if (!options.tracker.empty() || !holds_no_row(tables_of(options).tracker, tracker_header()))
     request.tracker = read_tracker(
         tables_of(options).tracker,
-        {options.separator, options.decimal_comma, renamed_tracker_columns(options.columns)});
-  request.by = options.pair_by == "time" ? PairBy::kTime : PairBy::kId;
+        {{options.separator, options.decimal_comma, renamed_tracker_columns(options.columns)},
+         value_named(kTrackerUnits, options.unit).value()},
+        request.by == PairBy::kTime);
   request.accept_step = options.accept_step;
   request.dots_height = options.board_thickness_mm * kMillimetre;
   if (source_of(options) == WorkplaneSource::kBoard)

@@ -79,8 +79,8 @@ TEST_CASE("A damaged table is read or refused by name, never worse") {
   const std::string targets = targets_header() + target_line({"a", {0.1, 0.2}, 0.3});
   check_mutations(targets, [](const auto& path) { read_targets(path); });
   const std::string tracker = "Name;t;X;Y;Z\na;0,5;1,5;2;3\nb;1;-1,5e1;2;3\n";
-  const CsvDialect dialect{
-      ';', true, {{"id", "Name"}, {"t_s", "t"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}};
+  const TrackerDialect dialect{
+      {';', true, {{"id", "Name"}, {"t_s", "t"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}}};
   check_mutations(tracker, [&](const auto& path) { read_tracker(path, dialect); });
 }
 

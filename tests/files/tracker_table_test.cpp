@@ -17,9 +17,35 @@ TEST_CASE("A reading comes back as it was written") {
 TEST_CASE("Another program's tracker file is read by its own columns") {
   const test::TemporaryFolder folder;
   const auto path = folder.write("leica.csv", "Point;Time;X;Y;Z\nA;0;1000,5;0;-1\n");
-  const CsvDialect dialect{
-      ';', true, {{"id", "Point"}, {"t_s", "Time"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}};
+  const TrackerDialect dialect{
+      {';', true, {{"id", "Point"}, {"t_s", "Time"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}}};
   CHECK(read_tracker(path, dialect).at(0).p_L.x() == Approx(1.0005));
+}
+
+TEST_CASE(
+    "Tables of tracker programs are read by counted columns, without header, clock or commas") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("points.txt",
+                                 "// SpatialAnalyzer export, 2026-11-27\nMeasured points\n\n"
+                                 "  \"P 1\"    1.000500    -2.0   0.25   2026-11-27\n"
+                                 "\"M1\"\t3.0 four 5.5e-1\n");
+  const TrackerDialect dialect{
+      {' ', false, {{"id", "1"}, {"x_mm", "2"}, {"y_mm", "3"}, {"z_mm", "4"}}}, 1.0};
+  CHECK_THROWS_WITH(read_tracker(path, dialect),
+                    Catch::Contains("points.txt:5") && Catch::Contains("four"));
+  const auto named =
+      folder.write("named.txt", "Title of the job\nID   X      Y    Z\nP1 1.000500 -2.0  0.25\n");
+  const TrackerDialect by_name{
+      {' ', false, {{"id", "ID"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}}, 1.0};
+  for (const auto& rows :
+       {read_tracker(named, by_name),
+        read_tracker(folder.write("plain.txt", "// a\nTitle\nP1 1.000500 -2.0  0.25 2026-11-27\n"),
+                     dialect)}) {
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].id == "P1");
+    CHECK((rows[0].p_L - Eigen::Vector3d(1.0005, -2.0, 0.25)).norm() < 1e-12);
+  }
+  CHECK_THROWS_WITH(read_tracker(named, by_name, true), Catch::Contains("t_s"));
 }
 
 }  // namespace

@@ -103,7 +103,10 @@ TEST_CASE("Of a column that is faulty in all rows three are told, the next rows 
                                                  !Contains("p.csv:5:") &&
                                                  Contains("... and 7 more"));
   CHECK_FALSE(table.take_line("a,1,2", 12));
-  CHECK_THROWS_WITH(table.throw_if_faulty(), "p.csv:12: has 3 fields; the header has 2");
+  CHECK_THROWS_WITH(
+      table.throw_if_faulty(),
+      "p.csv:12: has 3 fields; the header has 2; with decimal commas, separate columns by "
+      "semicolons");
 }
 
 TEST_CASE("Of very many faults the first hundred are told, and how many more there are") {

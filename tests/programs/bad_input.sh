@@ -98,9 +98,9 @@ expect 2 "torn_pairs.csv:3: the last line does not end with a newline" \
 expect 2 "--require-end is for targets on standard input" \
   "$bin/planar-servo" --cell cell/cell.yaml --targets targets.csv --out made --require-end
 
-printf 'id;x_mm;y_mm\na;200;100\n' >semicolons.csv
-expect 2 "it has id;x_mm;y_mm \(what separates columns is ','\)" \
-  "$bin/planar-servo" --cell cell/cell.yaml --targets semicolons.csv --out made
+printf 'id|x_mm|y_mm\na|200|100\n' >bars.csv
+expect 2 "it has id.x_mm.y_mm \(what separates columns is ','\)" \
+  "$bin/planar-servo" --cell cell/cell.yaml --targets bars.csv --out made
 expect 2 "needs another --separator than ','" "$bin/planar-pair-tracker" --cell cell/cell.yaml \
   --lamps few.csv --recording cell --decimal-comma --workplane-out made --tool-out t.yaml -o p.csv
 

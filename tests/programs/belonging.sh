@@ -71,7 +71,7 @@ if "$bin/planar-doctor" --cell cell/cell.yaml >doctor.txt; then fail "the doctor
 grep -q "workplane.yaml: was made with camera.yaml" doctor.txt || fail "$(cat doctor.txt)"
 
 # A map and pairs of another calibration.
-sed '/^# role: camera$/{n;s/[0-9a-f]*$/0000000000000000/}' cell/pairs.csv >pairs.csv
+sed '/^# role: camera$/{n;s/[0-9a-f]*$/0000000000000000000000000000000000000000000000000000000000000000/}' cell/pairs.csv >pairs.csv
 expect 2 "map.yaml: was made with camera.yaml .*, that of pairs.csv is 00000000" \
   "$bin/planar-check-error-map" --plan train cell/map.yaml pairs.csv
 

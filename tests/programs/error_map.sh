@@ -115,8 +115,8 @@ sed 's/x_tracker_mm/x_traker_mm/' good.csv >typo.csv
 refused typo "lacks the column x_tracker_mm; needed are .*; it has id,.* x_traker_mm"
 expect 2 "absent/map.yaml: cannot be written: there is no folder 'absent'" \
   "$bin/planar-fit-error-map" -o absent/map.yaml good.csv
-tr ',' ';' <good.csv >semicolons.csv
-refused semicolons "it has id;x_vision_mm;"
+tr ',' '|' <good.csv >bars.csv
+refused bars "it has id|x_vision_mm|"
 
 expect 2 "./out.yaml: two outputs have this name" \
   "$bin/planar-fit-error-map" --cell cell.yaml -o out.yaml --arm-out ./out.yaml good.csv

@@ -10,6 +10,7 @@
 
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/checksum.h"
+#include "planar_servo/io/csv_fields.h"
 
 namespace planar {
 namespace {
@@ -34,12 +35,17 @@ void add_origin(std::vector<Origin>& origins, const std::string& role, std::stri
   if (known) origins.push_back({*known, std::move(name), std::move(sha256)});
 }
 
-/// Reads a line `# made from: NAME SHA256` that follows the line of its role.
-void add_remark(std::vector<Origin>& origins, const std::string& role, const std::string& line) {
+/// Reads a line `# made from: NAME SHA256` that follows the line of its role. Returns whether it
+/// can be read.
+bool add_remark(std::vector<Origin>& origins, const std::string& role, const std::string& line) {
+  constexpr std::size_t kHexDigits = 64;
   const std::string text = line.substr(std::size(kRemark) - 1);
   const std::size_t space = text.rfind(' ');
-  if (space != std::string::npos)
-    add_origin(origins, role, text.substr(0, space), text.substr(space + 1));
+  if (space == std::string::npos || role.empty() || text.size() - space - 1 != kHexDigits ||
+      text.find_first_not_of("0123456789abcdef", space + 1) != std::string::npos)
+    return false;
+  add_origin(origins, role, text.substr(0, space), text.substr(space + 1));
+  return true;
 }
 
 std::vector<Origin> origins_of_list(const std::string& yaml) {
@@ -162,8 +168,12 @@ std::vector<Origin> read_origins(const fs::path& path) {
   std::vector<Origin> remarks;
   std::string line, list, role;
   for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i) {
-    if (line.rfind(kRoleRemark, 0) == 0) role = line.substr(std::size(kRoleRemark) - 1);
-    if (line.rfind(kRemark, 0) == 0) add_remark(remarks, role, line);
+    const std::string remark(remark_of(line));
+    if (remark.rfind(kRoleRemark, 0) == 0) role = remark.substr(std::size(kRoleRemark) - 1);
+    if (remark.rfind(kRemark, 0) == 0 && !add_remark(remarks, role, remark))
+      throw InputError({fmt::format("does not say readably what it was made from: '{}'", remark),
+                        "take the file as its program wrote it, or make it again",
+                        fmt::format("{}:{}", path.string(), i + 1)});
     if (line != "inputs:") continue;
     list = line + "\n";
     while (std::getline(in, line) && (!line.empty() && (line[0] == ' ' || line[0] == '-')))

@@ -70,6 +70,14 @@ bool is_comment(std::string_view line) {
   return trimmed(line).substr(0, 1) == "#";
 }
 
+std::string_view remark_of(std::string_view line) {
+  line = trimmed(line);
+  line = line.substr(0, line.find_last_not_of(",;\t ") + 1);
+  if (line.substr(0, 2) == "\"#" && line.find('"', 1) == line.size() - 1)
+    line = line.substr(1, line.size() - 2);
+  return is_comment(line) ? line : std::string_view();
+}
+
 CsvField take_field(std::string_view& line, char separator) {
   CsvField field;
   std::size_t end = line.find(separator);

@@ -14,6 +14,10 @@ std::string_view trimmed(std::string_view text);
 
 bool is_comment(std::string_view line);
 
+/// Returns a comment without what a spreadsheet that saved its table put around it: quotes, and the
+/// separators of empty fields. Empty for a line that is no comment.
+std::string_view remark_of(std::string_view line);
+
 /// Views one field of a line, without the blanks or quotes around it. Doubled quotes stay doubled.
 struct CsvField {
   std::string_view text;  ///< between its quotes, where it has some

@@ -4,7 +4,9 @@
 
 #include <spdlog/spdlog.h>
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <cstring>
 #include <utility>
 
 #include "planar_servo/io/atomic_file.h"
@@ -34,6 +36,38 @@ std::string joined(const std::vector<std::string>& names) {
 
 bool has(const std::vector<std::string>& columns, const std::string& column) {
   return std::find(columns.begin(), columns.end(), column) != columns.end();
+}
+
+/// Returns what a file is whose table begins with this line, if that is no table in text.
+std::optional<Refusal> other_kind(std::string_view line) {
+  constexpr char kAsText[] = "save the table as CSV in UTF-8";
+  constexpr char kOwnTable[] =
+      "write its places into a table of their own, with millimetres in the base frame";
+  if (starts_with(line, "\xFF\xFE") || starts_with(line, "\xFE\xFF"))
+    return Refusal{"is text in UTF-16", kAsText};
+  if (starts_with(line, "PK\x03\x04")) return Refusal{"is a workbook (.xlsx or .ods)", kAsText};
+  if (starts_with(line, "\xD0\xCF\x11\xE0")) return Refusal{"is a workbook (.xls)", kAsText};
+  line = trimmed(line);
+  if (line == "%" ||
+      (line.size() > 1 && line.find(',') == line.npos && std::strchr("GMNO", line[0]) != nullptr &&
+       std::isdigit(static_cast<unsigned char>(line[1])) != 0))
+    return Refusal{"is G-code", kOwnTable};
+  if (line == "0" || starts_with(line, "AutoCAD Binary DXF"))
+    return Refusal{"is a drawing (DXF)", kOwnTable};
+  return std::nullopt;
+}
+
+/// Returns the first character of a field that looks like one of a number and is none, in words.
+const char* foreign_character(std::string_view field) {
+  constexpr std::pair<const char*, const char*> kForeign[] = {
+      {"\xE2\x88\x92", "the minus sign U+2212"},
+      {"\xE2\x80\x93", "the dash U+2013"},
+      {"\xC2\xA0", "the no-break blank U+00A0"},
+      {"\xE2\x80\xAF", "the no-break blank U+202F"},
+      {"\xE2\x80\x8B", "the zero-width blank U+200B"}};
+  for (const auto& [bytes, words] : kForeign)
+    if (field.find(bytes) != std::string_view::npos) return words;
+  return nullptr;
 }
 
 /// Returns those of the names that are not among the columns.
@@ -81,25 +115,57 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
     line.remove_prefix(kByteOrderMark.size());
   line_ = trimmed(line);
   line_number_ = line_number;
-  if (starts_with(line_, kFormatMark) && !has_header()) {
-    const std::string_view format = trimmed(std::string_view(line_).substr(kFormatMark.size()));
+  if (!has_header())
+    if (const auto other = other_kind(line)) throw InputError(other->at(source_));
+  const std::string_view remark = remark_of(line_);
+  if (starts_with(remark, kFormatMark) && !has_header()) {
+    const std::string_view format = trimmed(remark.substr(kFormatMark.size()));
     if (format != format_)
       throw InputError({fmt::format("is of format '{}'", format),
                         fmt::format("'{}' is needed here", format_), row()});
   }
-  if (line_.empty() || is_comment(line_)) return false;
+  if (line_.find_first_not_of(",;\t ") == std::string::npos || !remark.empty()) return false;
+  if (!has_header() && line_.size() == 5 && starts_with(line_, "sep=")) {
+    takes_separator(line_[4]);
+    return false;
+  }
   if (has_header()) ++rows_;
+  if (!has_header() && dialect_.separator == ',') find_separator();
   if (!split_line()) return false;
+  while (fields_.size() > std::max<std::size_t>(1, columns_.size()) && fields_.back().empty())
+    fields_.pop_back();
   if (!has_header()) {
     read_header();
     return false;
   }
   if (fields_.size() != columns_.size()) {
+    const bool halved = separator() == ',' && fields_.size() > columns_.size();
     add_fault({fmt::format("has {} fields", fields_.size()),
-               fmt::format("the header has {}", columns_.size())});
+               fmt::format("the header has {}{}", columns_.size(),
+                           halved ? "; with decimal commas, separate columns by semicolons" : "")});
     return false;
   }
   return true;
+}
+
+bool CsvTable::takes_separator(char separator) {
+  if (std::strchr(",;\t", separator) == nullptr) return false;
+  dialect_.separator = separator;
+  dialect_.decimal_comma = dialect_.decimal_comma || separator == ';';
+  return true;
+}
+
+void CsvTable::find_separator() {
+  for (const char separator : {';', '\t'}) {
+    const auto names = split_fields(line_, separator);
+    const auto is_ours = [&](const std::string& column) {
+      return std::find(names.begin(), names.end(), column) != names.end();
+    };
+    if (names.size() > 1 && std::all_of(required_.begin(), required_.end(), is_ours)) {
+      takes_separator(separator);
+      return;
+    }
+  }
 }
 
 bool CsvTable::split_line() {
@@ -166,8 +232,7 @@ void CsvTable::require_columns(const std::vector<std::string>& columns) const {
                       "write it so, or give it quite another name if it is something else",
                       source_});
   const std::string hint =
-      columns.size() > 1 ? ""
-                         : fmt::format(" (what separates columns is '{}')", dialect_.separator);
+      columns.size() > 1 ? "" : fmt::format(" (what separates columns is '{}')", separator());
   throw InputError(
       {fmt::format("lacks the column{} {}", missing.size() > 1 ? "s" : "", joined(missing)),
        fmt::format("needed are {}; it has {}{}{}{}", required_columns(), joined(columns), hint,
@@ -202,9 +267,15 @@ double CsvTable::number(std::string_view column) {
   } else {
     value = finite_number(field);
   }
-  if (!value)
-    add_fault({fmt::format("{} is '{}'", column, field), "a finite number is needed"}, column);
+  if (!value) add_fault(no_number(column, field), column);
   return value.value_or(0.0);
+}
+
+Refusal CsvTable::no_number(std::string_view column, std::string_view field) const {
+  const char* foreign = foreign_character(field);
+  return {fmt::format("{} is '{}'", column, field),
+          foreign == nullptr ? "a finite number is needed"
+                             : fmt::format("a finite number is needed, and it has {}", foreign)};
 }
 
 std::optional<double> CsvTable::optional_number(std::string_view column) {

@@ -29,10 +29,13 @@ struct CsvDialect {
 };
 
 /// Reads a CSV table line by line and holds the current row only. Columns are found by name, in any
-/// order. `#` comments and blank lines are skipped. Extra columns are ignored, unless they look
-/// like one of ours that is not there. A field in quotes [RFC 4180] may hold the separator and line
-/// ends. The first line may be `# format: planar-servo/<kind>/1`; another format there is refused.
-/// Faults of rows are collected with FILE:LINE and thrown all at once.
+/// order. `#` comments, blank lines and rows, and columns behind the last that has a name are
+/// skipped. Where the dialect's separator is a comma, a line `sep=;` or a header that has the
+/// columns by it says that it is a semicolon (then with decimal commas) or a tab. Extra columns are
+/// ignored, unless they look like one of ours that is not there. A field in quotes [RFC 4180] may
+/// hold the separator and line ends. The first line may be `# format: planar-servo/<kind>/1`;
+/// another format there is refused. Faults of rows are collected with FILE:LINE and thrown all at
+/// once.
 class CsvTable {
  public:
   /// Begins without a header or a row. `source` names the file in messages, `optional` the columns
@@ -87,6 +90,11 @@ class CsvTable {
 
  private:
   void read_header();
+  /// Finds out by a header what separates the columns.
+  void find_separator();
+  bool takes_separator(char separator);
+  /// Returns what is said of a field that is no number.
+  Refusal no_number(std::string_view column, std::string_view field) const;
   void require_columns(const std::vector<std::string>& columns) const;
   /// Splits line_ into fields_. When a quoted field does not end, adds a fault and returns false.
   bool split_line();

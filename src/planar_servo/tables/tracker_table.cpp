@@ -1,11 +1,15 @@
 #include "planar_servo/tables/tracker_table.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <utility>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/columns.h"
 #include "planar_servo/tables/table_columns.h"
 
@@ -39,6 +43,18 @@ std::size_t counted_column(const std::string& name) {
   return whole && number <= kMostColumns ? number : 0;
 }
 
+std::string with_single_blanks(std::string_view line) {
+  std::string single;
+  for (const char c : trimmed(line)) {
+    const bool is_blank = c == ' ' || c == '\t';
+    if (!is_blank)
+      single += c;
+    else if (single.back() != ' ')
+      single += ' ';
+  }
+  return single;
+}
+
 /// Returns the last of the counted columns; 0 unless x, y and z are counted.
 std::size_t last_counted(const std::map<std::string, std::string>& renamed) {
   std::size_t last = 0;
@@ -50,8 +66,34 @@ std::size_t last_counted(const std::map<std::string, std::string>& renamed) {
 
 }  // namespace
 
-std::vector<TrackerRow> read_tracker(const std::filesystem::path& path, const CsvDialect& dialect) {
-  return TableFile<TrackerRow>(path, tracker_schema(), dialect).rows();
+std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
+                                     const TrackerDialect& dialect, bool by_time) {
+  if (table_kind_of(path) == tracker_schema().kind)
+    return TableFile<TrackerRow>(path, tracker_schema(), dialect.csv).rows();
+  TrackerDialect named = dialect;
+  named.csv.renamed_columns.emplace("id", "id");
+  if (by_time) named.csv.renamed_columns.emplace("t_s", "t_s");
+  TrackerLines lines(path.string(), named);
+  std::ifstream in = open_file(path);
+  std::vector<TrackerRow> rows;
+  std::optional<InputError> title;
+  Faults faults;
+  for (std::string line; std::getline(in, line);) try {
+      const auto reading = lines.next(line);
+      if (!reading) continue;
+      if (in.eof())
+        spdlog::warn("{}: the last line has no end; digits may be missing", path.string());
+      rows.push_back({reading->id, reading->t_s.value_or(0.0), reading->p_L});
+    } catch (const InputError& error) {
+      const bool is_header = line.find(named.csv.renamed_columns.at("id")) != line.npos;
+      if (rows.empty() && (!title || (is_header && !lines.has_columns()))) title = error;
+      if (rows.empty()) continue;
+      for (const Refusal& refusal : error.refusals()) faults.add(refusal);
+    }
+  faults.throw_if_any(rows.size());
+  if (rows.empty())
+    throw title.value_or(InputError({"has no rows", "at least one is needed", path}));
+  return rows;
 }
 
 std::string tracker_header() {
@@ -89,7 +131,9 @@ TrackerLines::TrackerLines(const std::string& source, TrackerDialect dialect)
 
 std::optional<StreamedReading> TrackerLines::next(std::string_view line) {
   ++line_;
-  std::string row(line);
+  const bool is_aligned = dialect_.csv.separator == ' ';
+  if (trimmed(line).substr(0, 2) == "//") return std::nullopt;
+  std::string row = is_aligned ? with_single_blanks(line) : std::string(line);
   if (counted_ > 0) {
     if (!has_columns()) {
       std::string header = "1";
@@ -97,7 +141,7 @@ std::optional<StreamedReading> TrackerLines::next(std::string_view line) {
         header += dialect_.csv.separator + std::to_string(i);
       table_.take_line(header, line_);
     }
-    row = counted_fields(line);
+    row = counted_fields(row);
   }
   const bool is_row = table_.take_line(row, line_);
   table_.throw_if_faulty();

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "planar_servo/core/names.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/io/csv_table.h"
 
@@ -22,11 +23,6 @@ struct TrackerRow {
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};
 };
 
-/// Reads RECORDING/tracker.csv, or another program's table of readings. Throws InputError naming
-/// FILE:LINE of each bad row, and for a table without rows.
-std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
-                                     const CsvDialect& dialect = {});
-
 // The table grows: the header first, then a line at a time.
 std::string tracker_header();
 std::string tracker_line(const TrackerRow& row);
@@ -39,8 +35,14 @@ const std::map<std::string, std::string>& tracker_columns();
 /// Throws InputError for anything else.
 std::map<std::string, std::string> renamed_tracker_columns(const std::string& text);
 
+/// The units in which readings are written.
+constexpr Named<double> kTrackerUnits[] = {{kMillimetre, "mm"}, {1.0, "m"}};
+
 /// Says how another program writes readings. A column is named or, where x, y and z all are whole
 /// numbers, counted from 1; the lines have no header then.
+///
+/// A blank as separator stands for any run of blanks and tabs. Lines that begin with `//` are
+/// comments.
 struct TrackerDialect {
   CsvDialect csv;
   double unit{kMillimetre};  ///< of x, y and z, metres
@@ -56,6 +58,13 @@ struct StreamedReading {
   Eigen::Vector3d p_L{0.0, 0.0, 0.0};  ///< metres
   double resolution{0.0};              ///< the last digit that was written, metres
 };
+
+/// Reads RECORDING/tracker.csv, or another program's table of readings, in which lines of titles
+/// may stand before the first reading. Only where they are to be paired `by_time` need they say
+/// when they were made. Throws InputError naming FILE:LINE of each bad row, and for a table without
+/// rows.
+std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
+                                     const TrackerDialect& dialect = {}, bool by_time = false);
 
 /// Reads a tracker's lines as they arrive.
 class TrackerLines {

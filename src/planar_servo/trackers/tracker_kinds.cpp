@@ -20,7 +20,6 @@
 namespace planar {
 namespace {
 
-constexpr Named<double> kUnits[] = {{kMillimetre, "mm"}, {1.0, "m"}};
 constexpr Named<bool> kYesOrNo[] = {{true, "true"}, {false, "false"}};
 constexpr double kListen_s = 3.0;
 // No tracker measures nearer or farther.
@@ -43,7 +42,7 @@ void read_number_keys(Fields& tracker, TrackerDialect& dialect) {
                   "separator");
     if (one) dialect.csv.separator = separator[0];
   }
-  if (tracker.given("unit", false)) tracker.choice("unit", dialect.unit, kUnits);
+  if (tracker.given("unit", false)) tracker.choice("unit", dialect.unit, kTrackerUnits);
 }
 
 /// Reads the keys of read_number_keys() and the optional map `columns`.

@@ -161,13 +161,17 @@ HealthRecord health_of(const CellSettings& cell, const std::vector<SeenPlace>& s
                                   kHealthPlaces)});
   const Transmission transmission(cell.transmission);
   const Eigen::Vector3d home = transmission.motors_from_joints(cell.arm.home);
-  std::vector<SeenPlace> near;
-  std::copy_if(seen.begin(), seen.end(), std::back_inserter(near), [&](const SeenPlace& place) {
+  const JointPlanner planner = joint_planner(cell);
+  std::vector<SeenPlace> allowed, near;
+  for (const SeenPlace& place : seen) {
+    if (planner.refusal(place.place.theta)) continue;
+    allowed.push_back(place);
     const Eigen::Vector3d motors = transmission.motors_from_joints(place.place.theta);
-    return (motors - home).cwiseAbs().maxCoeff() <= kNearHome;
-  });
+    if ((motors - home).cwiseAbs().maxCoeff() <= kNearHome) near.push_back(place);
+  }
   HealthRecord record = health_record_of(seen);
-  if (near.size() >= kHealthPlaces) record.places = health_record_of(near).places;
+  for (const auto* choice : {&allowed, &near})
+    if (choice->size() >= kHealthPlaces) record.places = health_record_of(*choice).places;
   bring_to_end(seen, record.places);
   return record;
 }

@@ -26,7 +26,8 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
                                    const std::vector<LampRow>& lamps);
 
 /// Keeps the state of a cell from the places of a recording, some of which, near home for every
-/// motor, are to be visited again. Throws InputError when there are fewer than kHealthPlaces.
+/// motor where that leaves enough, are to be visited again; none that the cell forbids while it
+/// allows kHealthPlaces. Throws InputError when there are fewer than kHealthPlaces.
 HealthRecord health_of(const CellSettings& cell, const std::vector<SeenPlace>& seen);
 
 /// Finds from the places of a recording where the arm differs from the cell file.

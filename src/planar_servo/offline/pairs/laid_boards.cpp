@@ -134,7 +134,7 @@ std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<Laid
   const Workplane dots_plane = raised(workplane, dots_height);
   std::vector<LayRow> rows;
   for (const LaidBoard& laid : boards) {
-    if (laid.board.kind != Board::Kind::kCircles)
+    if (!laid.board.has_dots())
       throw InputError(Refusal{"lays of a chessboard have no dots", "lay a board of circles"});
     add_lay(dots_plane, laid, rows);
   }

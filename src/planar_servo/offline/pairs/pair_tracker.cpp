@@ -136,6 +136,18 @@ struct SortedReadings {
   std::vector<TrackerRow> tool;
 };
 
+/// Says what the readings are called where none is called as a monument.
+Refusal no_monument(const PairTrackerRequest& request) {
+  constexpr std::size_t kShown = 8;
+  std::set<std::string> monuments, readings;
+  for (const Monument& monument : request.cell.datum) monuments.insert(monument.id);
+  for (const TrackerRow& row : request.tracker)
+    if (readings.size() < kShown) readings.insert(row.id);
+  return {fmt::format("no reading has the name of a monument ({}); they are called {}, ...",
+                      fmt::join(monuments, ", "), fmt::join(readings, ", ")),
+          "name the monuments in `datum` of the cell file as the tracker does", "tracker"};
+}
+
 SortedReadings sort_readings(const PairTrackerRequest& request) {
   std::set<std::string> ids, read_first;
   for (const Monument& monument : request.cell.datum) ids.insert(monument.id);
@@ -153,6 +165,7 @@ SortedReadings sort_readings(const PairTrackerRequest& request) {
       sorted.end.push_back(reading);
     }
   }
+  if (read_first.empty() && sorted.end.empty()) throw InputError(no_monument(request));
   const auto again = std::stable_partition(
       sorted.end.begin(), sorted.end.end(),
       [&](const MonumentReading& reading) { return read_first.count(reading.id) == 0; });

@@ -1,0 +1,61 @@
+#include <catch2/catch.hpp>
+
+#include "planar_servo/core/error.h"
+#include "planar_servo/io/csv_table.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+/// A table of points as some program saved it.
+struct Saved {
+  explicit Saved(const std::string& text)
+      : file(folder.write("points.csv", text), "targets", {"id", "x_mm"}) {}
+
+  std::vector<double> numbers() {
+    std::vector<double> all;
+    while (file.next_row()) all.push_back(file.number("x_mm"));
+    file.throw_if_faulty();
+    return all;
+  }
+
+  test::TemporaryFolder folder;
+  CsvFile file;
+};
+
+TEST_CASE("A table is read as spreadsheets save it") {
+  for (const char* text :
+       {"id,x_mm,,,\r\nA,200.5,,,\r\n,,,,\r\n,,,,\r\n", "sep=;\r\nid;x_mm\r\nA;200,5\r\n",
+        "sep=,\nid,x_mm\nA,200.5\n", "id\tx_mm\r\nA\t200.5\r\n", "id;x_mm\nA;200,5\n",
+        "\xEF\xBB\xBFid;x_mm;\nA;200,5;\n;;\n",
+        "# format: planar-servo/targets/1,,\nid,x_mm,\nA,200.5,\n",
+        "\"# format: planar-servo/targets/1\",,\n# a remark,,\nid,x_mm\nA,200.5\n"}) {
+    INFO(text);
+    CHECK(Saved(text).numbers() == std::vector<double>{200.5});
+  }
+}
+
+TEST_CASE("What is no table in text is named by its kind") {
+  const std::pair<const char*, const char*> kinds[] = {
+      {"\xFF\xFEi", "UTF-16"},  {"PK\x03\x04", ".xlsx"},   {"G21\nG90\nG0 X200 Y100\n", "G-code"},
+      {"%\nO1000\n", "G-code"}, {"N10 G0 X1\n", "G-code"}, {"0\nSECTION\n2\nENTITIES\n", "DXF"}};
+  for (const auto& [text, kind] : kinds) CHECK_THROWS_WITH(Saved(text), Contains(kind));
+  CHECK_THROWS_WITH(Saved("# format: planar-servo/pairs/1,,\nid,x_mm\n"), Contains("pairs"));
+}
+
+TEST_CASE("What only looks like a number is named, and commas in numbers are told from columns") {
+  CHECK_THROWS_WITH(Saved("id,x_mm\nA,\xE2\x88\x92"
+                          "200\n")
+                        .numbers(),
+                    Contains("U+2212"));
+  CHECK_THROWS_WITH(Saved("id,x_mm\nA,1\xC2\xA0"
+                          "200\n")
+                        .numbers(),
+                    Contains("U+00A0"));
+  CHECK_THROWS_WITH(Saved("id,x_mm\nA,200,5\n").numbers(), Contains("semicolons"));
+}
+
+}  // namespace
+}  // namespace planar
