@@ -7,7 +7,10 @@
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/doctor/doctor.h"
+#include "planar_servo/files/vision_files.h"
 #include "planar_servo/io/checksum.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/run/check_ways.h"
 #include "program.h"
 
 namespace planar {
@@ -67,6 +70,11 @@ Outcome work(const Options& options) {
   if (options.cell.empty())
     throw InputError(Refusal{"--cell, --new or --seal is required", "--help explains each"});
   auto findings = examine_cell(options.cell);
+  if (is_sound(findings)) {
+    const CellSettings cell = read_cell(options.cell);
+    if (const auto doubt = foresee_check(cell, vision_so_far(cell)).doubt)
+      findings.push_back({Finding::Verdict::kDoubtful, doubt->where, doubt->fault, doubt->remedy});
+  }
   if (const char* folders = std::getenv("PATH"))
     for (Finding& finding : question_installations(own_file(), folders))
       findings.push_back(std::move(finding));

@@ -15,11 +15,11 @@
 #include "planar_servo/machine/plausibility.h"
 #include "planar_servo/report/live/servo_view.h"
 #include "planar_servo/run/cell_check.h"
+#include "planar_servo/run/check_ways.h"
 #include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/path_report.h"
 #include "planar_servo/run/servo_report.h"
 #include "planar_servo/run/servo_run.h"
-#include "planar_servo/run/target_doubts.h"
 #include "planar_servo/run/target_stream.h"
 #include "program.h"
 
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 const ProgramText kText{
     "planar-servo",
     "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
-    "                    [--centre METHOD] [--display auto|x|none] [--home] [--at-marks]\n"
+    "                    [--centre METHOD] [--display auto|none] [--home] [--at-marks]\n"
     "                    [--accept-stale] [--accept-map] [--no-health] [--keep-going] [--judged] "
     "[--forget]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
@@ -114,8 +114,7 @@ void add_options(CLI::App& app, Options& options) {
       ->needs(out)
       ->excludes("--path");
   add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
-             "auto: draw every step into DIR/view.png and, where an X server answers, a window; "
-             "x: insist on the window; none")
+             "auto: draw every step into DIR/view.png; none")
       ->excludes("--path");
   auto* dry = app.add_flag("--dry-run", options.dry_run,
                            "print the first move to each target; nothing moves")
@@ -138,10 +137,9 @@ std::string title_of(const ServoSight& sight) {
 /// Shows every step of a servo as it is measured.
 class ServoDisplay {
  public:
-  /// Opens what the policy asks for; `picture` is the file that is drawn. Throws InputError when a
-  /// window is asked for and no X server answers.
+  /// Begins to draw into the file `picture` where the policy asks for that.
   ServoDisplay(DisplayPolicy policy, const fs::path& picture)
-      : view_(open_display(policy, picture, "planar-servo")) {}
+      : view_(open_display(policy, picture)) {}
 
   /// Shows a step. It does nothing when nothing is to be drawn.
   void show(const ServoSight& sight) {
@@ -174,15 +172,26 @@ bool from_stdin(const Options& options) {
   return options.targets == "-";
 }
 
-Outcome print_dry_run(const CellSettings& cell, const std::vector<TargetRow>& targets) {
-  const auto rows = first_moves_to(cell, targets);
+/// Returns where the check of the cell leaves the arm, and warns of what it cannot do. Throws
+/// InputError where it can do nothing.
+Joints start_of_run(const Options& options, const CellSettings& cell) {
+  if (options.no_health) return cell.arm.home;
+  const ForeseenCheck check = foresee_check(cell, vision_so_far(cell));
+  if (check.refused) throw InputError(*check.doubt);
+  if (check.doubt) spdlog::warn(check.doubt->text());
+  return check.end;
+}
+
+Outcome print_dry_run(const Options& options, const CellSettings& cell,
+                      const std::vector<TargetRow>& targets) {
+  const auto rows = first_moves_to(cell, start_of_run(options, cell), targets);
   say("{}", dry_run_text(rows));
   return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
-Outcome print_check(const CellSettings& cell, const VisionCalibration& vision,
-                    const std::vector<TargetRow>& targets) {
-  auto rows = first_moves_to(cell, targets);
+Outcome print_check(const Options& options, const CellSettings& cell,
+                    const VisionCalibration& vision, const std::vector<TargetRow>& targets) {
+  auto rows = first_moves_to(cell, start_of_run(options, cell), targets);
   refuse_outside_map(rows, targets, cell.tool_orientation, vision);
   const std::size_t refused = count_refused(rows);
   say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
@@ -202,7 +211,8 @@ bool is_good(const StreamEnd& end, bool requires_end) {
 
 Outcome plan_stream(const Options& options, const CellSettings& cell) {
   TargetLines lines(kStdin);
-  const FirstMoveStream planned = answer_first_moves(std::cin, std::cout, lines, cell);
+  const FirstMoveStream planned =
+      answer_first_moves(std::cin, std::cout, lines, cell, start_of_run(options, cell));
   say(stderr, "{} of {} targets can be reached; {} bad lines\n", planned.targets - planned.refused,
       planned.targets, planned.end.bad_lines);
   return {{{"targets", planned.targets},
@@ -284,10 +294,11 @@ Outcome reach_targets(const Options& options, const CellSettings& cell) {
   if (!from_stdin(options)) question_targets(targets, cell.workspace, options.targets);
   if (options.check) {
     const VisionCalibration vision = check_files(options, cell);
-    return from_stdin(options) ? plan_stream(options, cell) : print_check(cell, vision, targets);
+    return from_stdin(options) ? plan_stream(options, cell)
+                               : print_check(options, cell, vision, targets);
   }
   if (options.dry_run)
-    return from_stdin(options) ? plan_stream(options, cell) : print_dry_run(cell, targets);
+    return from_stdin(options) ? plan_stream(options, cell) : print_dry_run(options, cell, targets);
   ServoRequest request = request_of(options, cell);
   request.learns = cell.servo.learns;
   heed_interrupts();

@@ -126,5 +126,28 @@ TEST_CASE("Play is not looked for where a disc lies between the place and that a
   }
 }
 
+TEST_CASE("A place that was barred since the calibration is left out of the check, or all are") {
+  CheckedCell sound;
+  for (const double angle_deg : {0.0, 40.0, 80.0})
+    sound.keep(fmt::format("place {}", angle_deg), angle_deg, 60.0);
+  const auto visits = [&] {
+    return CheckWays(sound.cell, [](const TipPose&) { return true; })
+        .visits(sound.robot.commanded_joints(), sound.record.places);
+  };
+  CHECK(visits().order == std::vector<std::size_t>{2, 1, 0});
+  sound.keep_out(sound.place(sound.record.places[1].theta), 0.01);
+  // Behind the disc the place at 0 degrees is no longer to be reached straight either.
+  const VisitPlan plan = visits();
+  CHECK(plan.order.front() == 2);
+  REQUIRE_FALSE(plan.barred.empty());
+  CHECK(findings_text(sound.check().revisit(sound.record)).empty());
+  CHECK(sound.nearest_to_disc_m() > 0.01 - kArmOff_m);
+  CHECK(sound.way.size() > 10);
+  sound.record.places = {sound.record.places[1]};
+  const auto found = sound.check().revisit(sound.record);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].cause == Cause::kNotVisited);
+}
+
 }  // namespace
 }  // namespace planar

@@ -1,4 +1,4 @@
-#include "planar_servo/run/target_doubts.h"
+#include "planar_servo/run/dry_run.h"
 
 #include <catch2/catch.hpp>
 

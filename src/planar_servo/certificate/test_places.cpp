@@ -8,6 +8,7 @@
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
 #include "planar_servo/files/arm_file.h"
+#include "planar_servo/run/check_ways.h"
 #include "planar_servo/run/dry_run.h"
 
 namespace planar {
@@ -207,7 +208,7 @@ TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& v
                             std::size_t targets) {
   const UsablePlaces usable(cell, vision);
   const Raster raster = raster_of(cell, usable);
-  const DryRun dry(cell);
+  const DryRun dry(cell, foresee_check(cell, vision).end);
   for (const RasterSquare& found : free_squares(raster.free)) {
     const TestSquare square = square_at(raster, found);
     TestPlaces places{square, raster.spacing, raster.usable, square_poses(square), {}};

@@ -11,8 +11,8 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/io/passing_folder.h"
 #include "planar_servo/run/cell_check.h"
+#include "planar_servo/run/dry_run.h"
 #include "planar_servo/run/servo_report.h"
-#include "planar_servo/run/target_doubts.h"
 #include "planar_servo/run/target_stream.h"
 
 namespace planar {

@@ -12,6 +12,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/vision_files.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/run/check_ways.h"
 #include "planar_servo/servo/approach.h"
 
 namespace planar {
@@ -25,12 +26,6 @@ constexpr int kArrowsAcross = 16;
 
 bool is_there(const std::optional<fs::path>& file) {
   return file && fs::exists(*file);
-}
-
-std::optional<VisionCalibration> vision_of(const CellSettings& cell) {
-  if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane) || !fs::exists(cell.tool))
-    return std::nullopt;
-  return read_vision(cell, fs::exists(cell.error_map));
 }
 
 const ValidRegion& region_of(const VisionErrorMap& map) {
@@ -83,7 +78,7 @@ std::string to_do(const CellSettings& cell, const std::array<DriveStatus, 3>& dr
 KnownCell::KnownCell(const fs::path& cell_file)
     : cell_(read_cell(cell_file)),
       folder_(fs::weakly_canonical(cell_file).parent_path()),
-      vision_(vision_of(cell_)),
+      vision_(vision_so_far(cell_)),
       planner_(planner_so_far(cell_)) {}
 
 std::vector<Refusal> KnownCell::doubts() const {
@@ -91,6 +86,7 @@ std::vector<Refusal> KnownCell::doubts() const {
   try {
     for (const StaleFile& stale : stale_files(cell_, fs::exists(cell_.error_map)))
       doubts.push_back(stale.refusal.at(stale.path.filename().string()));
+    if (auto doubt = foresee_check(cell_, vision_).doubt) doubts.push_back(std::move(*doubt));
   } catch (const InputError& e) {
     doubts = e.refusals();
   }

@@ -64,8 +64,8 @@ constexpr Advice kAdvice[] = {
     {Cause::kHome, "the arm's home is not where the cell file says", kAllFiles,
      "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
     {Cause::kNotVisited, "the arm cannot go where the check needs it", kAllFiles,
-     "correct `arm` and `workspace` in the cell file, or bring the arm into its workspace with "
-     "planar-jog"},
+     "correct `arm` and `workspace` in the cell file, bring the arm into its workspace with "
+     "planar-jog, or move without the check (--no-health)"},
     {Cause::kSeparation, "a lamp has moved on the tool, or the cell file has another separation",
      kAllFiles, "fasten the lamp and calibrate the tool again, or correct `lamps.separation_mm`"},
     {Cause::kNotSeen, "the lamps are not seen", kAllFiles,

@@ -45,13 +45,6 @@ bool begins(const std::string& text, const std::string& with) {
   return text.compare(0, with.size(), with) == 0;
 }
 
-/// Returns the cell's vision once it is calibrated.
-std::optional<VisionCalibration> vision_of(const CellSettings& cell) {
-  if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane) || !fs::exists(cell.tool))
-    return std::nullopt;
-  return read_vision(cell, fs::exists(cell.error_map));
-}
-
 /// Returns the first name of frame_1.png, frame_2.png, ... that no file has.
 fs::path free_frame_name() {
   for (int i = 1;; ++i)
@@ -96,7 +89,7 @@ JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs:
       devices_(devices),
       announce_(announce ? std::move(announce) : [](const std::string&) {}),
       arm_(cell, devices, stop, announce_),
-      lamps_({devices.camera().sensor_size_px(), cell.lamps.layout, vision_of(cell),
+      lamps_({devices.camera().sensor_size_px(), cell.lamps.layout, vision_so_far(cell),
               cell.reference_lamps},
              cell.lamps.method, devices.camera(), cell.camera.follow_region_px) {
   if (const auto& vision = lamps_.vision())

@@ -23,11 +23,6 @@
 namespace planar {
 namespace {
 
-/// The first moves of motors 1 to 3, in which a gear that is off by 0.5 % shows beside the
-/// reducers' eccentricity.
-const Eigen::Vector3d kFirstMoves(40.0 * kDegree, 40.0 * kDegree, 60.0 * kDegree);
-/// Places that are tried for the first moves when the arm must not make them where it stands.
-constexpr int kRingPlaces = 24;
 /// Deviations of the middle of the lamps between two poses by links, reducers and lens: with an
 /// error map, and without.
 constexpr double kCorrectedSigma_m = 0.1e-3;
@@ -93,6 +88,7 @@ CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, 
       scatter_m_(scatter_m),
       wait_(std::move(wait)),
       planner_(joint_planner(cell)),
+      ways_(cell, [&sensor](const TipPose& tip) { return sensor.lamps_at(tip).has_value(); }),
       model_(model_of_cell(planner_, cell.arm.home, vision)) {}
 
 void CellCheck::wait_for_camera(const std::string& reason) const {
@@ -119,29 +115,6 @@ TipMeasurement CellCheck::measure(const TipPose& expected, int frames) {
   return seen;
 }
 
-bool CellCheck::allows(const Joints& theta) const {
-  return !approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), theta) &&
-         sensor_.lamps_at(planner_.arm().forward(theta));
-}
-
-/// Returns the present joints if they are allowed, or those of an allowed place on a ring in the
-/// middle of the workspace, the nearest first.
-std::optional<Joints> CellCheck::start() const {
-  const Joints present = robot_.commanded_joints();
-  if (allows(present)) return present;
-  const double radius_m = 0.5 * (cell_.workspace.radius_min_m + cell_.workspace.radius_max_m);
-  const Eigen::Vector2d p = planner_.arm().forward(present).p;
-  const double direction = std::atan2(p.y(), p.x());
-  for (int i = 0; i < kRingPlaces; ++i) {
-    const int steps = (i + 1) / 2;
-    const double turn = (i % 2 == 0 ? steps : -steps) * 2.0 * kPi / kRingPlaces;
-    const JointPlan plan = planner_.plan(
-        {radius_m * rotation2d(direction + turn).col(0), cell_.tool_orientation}, present);
-    if (!plan.refusal && allows(plan.theta)) return plan.theta;
-  }
-  return std::nullopt;
-}
-
 std::optional<LampPlaces> CellCheck::look() {
   const TipPose expected = planner_.arm().forward(robot_.commanded_joints());
   const TipMeasurement seen = measure(expected, 1);
@@ -149,15 +122,8 @@ std::optional<LampPlaces> CellCheck::look() {
   return LampPlaces{seen.lamps_B[0] - seen.correction, seen.lamps_B[1] - seen.correction};
 }
 
-Joints CellCheck::with_motor_turned(const Joints& theta, int motor) const {
-  const Transmission& transmission = planner_.transmission();
-  for (const double share : {1.0, -1.0, 0.5, -0.5}) {
-    Eigen::Vector3d motors = transmission.motors_from_joints(theta);
-    motors[motor] += share * kFirstMoves[motor];
-    Joints turned = transmission.joints_from_motors(motors);
-    if (allows(turned)) return turned;
-  }
-  return theta;
+bool CellCheck::allows(const HealthPlace& place) const {
+  return !approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), place.theta);
 }
 
 std::vector<HealthFinding> CellCheck::light_first(const HealthRecord& record,
@@ -179,7 +145,7 @@ std::vector<HealthFinding> CellCheck::light_first(const HealthRecord& record,
 
 std::vector<HealthFinding> CellCheck::first_moves(const std::optional<HealthRecord>& record) {
   looks_.clear();
-  const std::optional<Joints> first = start();
+  const std::optional<Joints> first = ways_.start(robot_.commanded_joints());
   if (!first)
     return {
         without_size(Cause::kNotVisited, "it stands outside its workspace or the camera's view")};
@@ -198,7 +164,8 @@ double CellCheck::expected_s(std::size_t places) const {
   double way_s = 0.0, margin_s = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const MotorDrive& drive = cell_.transmission.drives[i];
-    way_s = std::max(way_s, MotorMove(0.0, kFirstMoves[static_cast<int>(i)], drive).duration_s());
+    way_s = std::max(
+        way_s, MotorMove(0.0, CheckWays::first_moves()[static_cast<int>(i)], drive).duration_s());
     if (cell_.servo.approach == Approach::kOneSide)
       margin_s =
           std::max(margin_s, MotorMove(0.0, cell_.servo.approach_margin_rad, drive).duration_s());
@@ -210,7 +177,7 @@ double CellCheck::expected_s(std::size_t places) const {
 std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
   std::vector<ArmSight> sights;
   for (int motor = -1; motor < 3; ++motor) {
-    if (motor >= 0) theta = with_motor_turned(theta, motor);
+    if (motor >= 0) theta = ways_.with_motor_turned(theta, motor);
     if (const auto reason = go_to(theta)) return {without_size(Cause::kNotVisited, *reason)};
     const auto lamps_B = look();
     if (!lamps_B)
@@ -236,23 +203,19 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
 }
 
 std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) {
-  const Transmission& transmission = planner_.transmission();
-  std::vector<HealthPlace> left = record.places;
+  const VisitPlan plan = ways_.visits(robot_.commanded_joints(), record.places);
+  if (!plan.barred.empty()) {
+    const std::string barred = barred_text(plan.barred, record.places.size());
+    if (plan.order.empty()) return {without_size(Cause::kNotVisited, barred)};
+    spdlog::warn(barred);
+  }
   std::vector<Revisit> revisits;
   std::vector<HealthPlace> visited_places;
-  while (!left.empty()) {
-    const Eigen::Vector3d present = transmission.motors_from_joints(robot_.commanded_joints());
-    const auto distance = [&](const HealthPlace& place) {
-      return (transmission.motors_from_joints(place.theta) - present).cwiseAbs().maxCoeff();
-    };
-    const auto nearest = std::min_element(
-        left.begin(), left.end(),
-        [&](const HealthPlace& a, const HealthPlace& b) { return distance(a) < distance(b); });
-    const auto visited = visit(*nearest);
+  for (const std::size_t next : plan.order) {
+    const auto visited = visit(record.places[next]);
     if (const auto* finding = std::get_if<HealthFinding>(&visited)) return {*finding};
     revisits.push_back(std::get<Revisit>(visited));
-    visited_places.push_back(*nearest);
-    left.erase(nearest);
+    visited_places.push_back(record.places[next]);
   }
   if (revisits.empty()) return {};
   constexpr int kRounds = 2;  // two stops in a row stray once in some thousand times
@@ -275,6 +238,7 @@ std::optional<HealthFinding> CellCheck::visit_again(const std::vector<HealthPlac
   };
   if (way(again.front()) < way(again.back())) std::swap(again.front(), again.back());
   for (const std::size_t index : again) {
+    if (!allows(places[index])) continue;
     const auto visited = visit(places[index]);
     if (const auto* finding = std::get_if<HealthFinding>(&visited)) return *finding;
     revisits[index] = std::get<Revisit>(visited);
@@ -300,9 +264,10 @@ std::vector<HealthFinding> CellCheck::play_now(const std::vector<HealthPlace>& p
   const auto way = [&](const HealthPlace& place) {
     return (place.theta - robot_.commanded_joints()).norm();
   };
-  const auto elsewhere =
-      std::max_element(places.begin(), places.end(),
-                       [&](const HealthPlace& a, const HealthPlace& b) { return way(a) < way(b); });
+  const auto elsewhere = std::max_element(
+      places.begin(), places.end(),
+      [&](const HealthPlace& a, const HealthPlace& b) { return allows(b) && way(a) < way(b); });
+  if (!allows(*elsewhere)) return {};
   if (const auto visited = visit(*elsewhere); std::holds_alternative<HealthFinding>(visited))
     return {std::get<HealthFinding>(visited)};
   return play_here(revisits);

@@ -15,6 +15,7 @@
 #include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/robot/homing.h"
 #include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/run/check_ways.h"
 #include "planar_servo/servo/motion_guard.h"
 #include "planar_servo/vision/lamp_tip_sensor.h"
 
@@ -39,7 +40,8 @@ class CellCheck {
   std::vector<HealthFinding> first_moves(const std::optional<HealthRecord>& record = {});
 
   /// Visits the places again that were kept at the calibration, the nearest first, and the last one
-  /// from the other side as well. Returns the play that is more than half of the approach margin,
+  /// from the other side as well. Places that the cell has barred since are left out, and logged.
+  /// Returns the play that is more than half of the approach margin,
   /// or else what has changed since, light and focus first.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
@@ -57,7 +59,6 @@ class CellCheck {
   /// Moves and settles. Returns why the arm must not go there, if it must not.
   std::optional<std::string> go_to(const Joints& theta);
   TipMeasurement measure(const TipPose& expected, int frames);
-  std::optional<Joints> start() const;
   /// Visits a place again. Returns why it was not seen, if it was not.
   std::variant<Revisit, HealthFinding> visit(const HealthPlace& place);
   /// Visits again the two places where the lamps have moved farthest: an arm that had strayed
@@ -76,10 +77,8 @@ class CellCheck {
   std::vector<HealthFinding> play_here(const std::vector<Revisit>& revisits);
   /// Throws WorkError unless the camera comes back.
   void wait_for_camera(const std::string& reason) const;
-  /// Returns whether the arm may arrive at these joints from where it stands and is seen there.
-  bool allows(const Joints& theta) const;
-  /// Returns the joints with one motor turned as far as the first moves want and the cell allows.
-  Joints with_motor_turned(const Joints& theta, int motor) const;
+  /// Returns whether the arm may arrive at a place from where it stands.
+  bool allows(const HealthPlace& place) const;
   std::optional<LampPlaces> look();
 
   const CellSettings& cell_;
@@ -90,6 +89,7 @@ class CellCheck {
   double scatter_m_;
   CameraWait wait_;
   JointPlanner planner_;
+  CheckWays ways_;
   CellModel model_;
   std::vector<LampLooks> looks_;  ///< of this check
 };

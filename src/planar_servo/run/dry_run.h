@@ -1,11 +1,13 @@
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "planar_servo/arm/joint_planner.h"
 #include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/core/error.h"
 #include "planar_servo/tables/target_table.h"
 #include "planar_servo/vision/see_tool.h"
 
@@ -19,12 +21,11 @@ struct DryRunRow {
   Pulses pulses{0, 0, 0};
 };
 
-/// Plans the first move to one target after the other, beginning at the home position. It needs no
-/// device.
+/// Plans the first move to one target after the other. It needs no device.
 class DryRun {
  public:
-  /// Starts at the cell's home position.
-  explicit DryRun(const CellSettings& cell);
+  /// Starts at these joints.
+  DryRun(const CellSettings& cell, const Joints& start);
   /// Plans the move to a target from where the arm stands after the moves planned before.
   DryRunRow first_move(const TargetRow& target);
 
@@ -43,7 +44,7 @@ void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRo
                         double tool_orientation, const VisionCalibration& vision);
 
 /// Plans the first move to every target in turn.
-std::vector<DryRunRow> first_moves_to(const CellSettings& cell,
+std::vector<DryRunRow> first_moves_to(const CellSettings& cell, const Joints& start,
                                       const std::vector<TargetRow>& targets);
 
 std::size_t count_refused(const std::vector<DryRunRow>& rows);
@@ -60,5 +61,15 @@ nlohmann::ordered_json first_move_answer(const DryRunRow& row);
 
 /// Returns every target's answer under the key `moves`.
 nlohmann::json dry_run_json(const std::vector<DryRunRow>& rows);
+
+/// Returns what can hardly be meant in a table of targets: places written in metres, which are all
+/// within a millimetre of the base's axes, and directions in radians.
+std::vector<Refusal> target_doubts(const std::vector<TargetRow>& targets,
+                                   const Workspace& workspace);
+
+/// Logs these doubts. Throws InputError for places in metres if none of them lies in the workspace.
+/// `file` names the table.
+void question_targets(const std::vector<TargetRow>& targets, const Workspace& workspace,
+                      const std::filesystem::path& file);
 
 }  // namespace planar

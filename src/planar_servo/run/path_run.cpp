@@ -51,6 +51,24 @@ const std::filesystem::path& folder_for_path(const ServoRequest& request) {
   return request.out;
 }
 
+/// Throws InputError for a path that leaves the arm's reach by far: no loop along it may be long.
+void require_near(const CellSettings& cell, const PathRequest& request) {
+  const double reach_m = cell.arm.geometry.link_lengths_m.sum();
+  const auto far = [&](const PathSegment& segment) {
+    return segment.at(0.0).pose.p.norm() > 2.0 * reach_m ||
+           segment.at(segment.length_m()).pose.p.norm() > 2.0 * reach_m ||
+           segment.length_m() > 4.0 * kPi * reach_m;
+  };
+  const auto& segments = request.path.segments();
+  const auto found = std::find_if(segments.begin(), segments.end(), far);
+  if (found != segments.end())
+    throw InputError(
+        {fmt::format("between its places {} and {}, the path lies far beyond the arm's "
+                     "reach of {:g} mm",
+                     found - segments.begin() + 1, found - segments.begin() + 2, mm(reach_m)),
+         "write millimetres in the base frame", request.file});
+}
+
 PathResult ended_at(const Obstacle& obstacle) {
   return {obstacle.refused ? ServoStatus::kRefused : ServoStatus::kLostCamera, obstacle.reason};
 }
@@ -89,6 +107,7 @@ std::vector<double> path_speeds(const std::vector<double>& speeds_mm_s) {
 }
 
 std::vector<PathDemand> require_followable(const CellSettings& cell, const PathRequest& request) {
+  require_near(cell, request);
   const JointPlanner planner = servo_planner(cell);
   std::vector<PathDemand> demands;
   for (const double speed_m_s : request.speeds_m_s) {

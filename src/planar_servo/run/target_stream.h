@@ -36,9 +36,9 @@ struct FirstMoveStream {
   StreamEnd end;
 };
 
-/// Answers every target on `in` with its first move, as first_move_answer() writes it. Nothing
-/// moves.
+/// Answers every target on `in` with its first move, as first_move_answer() writes it, from
+/// these joints on. Nothing moves.
 FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
-                                   const CellSettings& cell);
+                                   const CellSettings& cell, const Joints& start);
 
 }  // namespace planar
