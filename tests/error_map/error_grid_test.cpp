@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
+#include "planar_servo/error_map/fit_error_map.h"
 
 namespace planar {
 namespace {
@@ -132,6 +134,25 @@ TEST_CASE("Over true places the error is that of the place seen there") {
   const ErrorField torn = over_true_places(
       field_over(kSquare, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(-3.0 * p); }));
   CHECK_THROWS_WITH(torn.error({0.1, 0.1}), Contains("near (100.0, 100.0) mm"));
+}
+
+TEST_CASE("A grid without noise, written with few decimals, is no faulty recording") {
+  MapProblem problem;
+  for (int i = 0; i < 9; ++i)
+    for (int j = 0; j < 9; ++j) {
+      const Eigen::Vector2d p_mm(-200.0 + 50.0 * i, 100.0 + 40.0 * j);
+      const Eigen::Vector2d error_mm(0.05 + 1e-4 * p_mm.x() - 2e-4 * p_mm.y(),
+                                     -0.03 + 3e-4 * p_mm.x() + 1e-4 * p_mm.y());
+      ErrorSample sample;
+      sample.p_vision = kMillimetre * p_mm;
+      sample.error = kMillimetre * (1000.0 * error_mm).array().round().matrix() / 1000.0;
+      problem.samples.push_back(sample);
+    }
+  const MapResult map = fit_error_map(problem);
+  CHECK(map.at_places.residuals.cwiseAbs().maxCoeff() < 1e-12);
+  CHECK(map.coverage_95 == 1.0);
+  CHECK(map.at_places.sigmas.minCoeff() == Approx(1e-6 / std::sqrt(12.0)));
+  CHECK_FALSE(objection(map.quality()));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -180,6 +181,28 @@ std::optional<FitAtPlaces> fit_at_found_places(const MapProblem& problem, const 
   return fit_to_agreeing(with_places, progress);
 }
 
+/// Returns the standard deviation of the rounding with which the errors were written, metres: the
+/// step is that of the last decimal of millimetres that any of them has.
+double rounding_sigma(const std::vector<ErrorSample>& samples) {
+  constexpr int kMostDecimals = 8;
+  const bool any = std::any_of(samples.begin(), samples.end(),
+                               [](const ErrorSample& sample) { return sample.error.norm() > 0.0; });
+  if (!any) return 0.0;
+  const auto fits = [&](double step_m) {
+    const auto on_step = [&](double value) {
+      constexpr double kRounding = 1e-3;  // of a step, to allow for binary fractions
+      return std::abs(value / step_m - std::round(value / step_m)) < kRounding;
+    };
+    return std::all_of(samples.begin(), samples.end(), [&](const ErrorSample& sample) {
+      return on_step(sample.error.x()) && on_step(sample.error.y());
+    });
+  };
+  for (int decimals = 0; decimals <= kMostDecimals; ++decimals)
+    if (const double step_m = kMillimetre * std::pow(10.0, -decimals); fits(step_m))
+      return step_m / std::sqrt(12.0);
+  return 0.0;
+}
+
 double coverage_95(const MapPlaces& at) {
   int within = 0;
   for (Eigen::Index i = 0; i < at.residuals.cols(); ++i)
@@ -196,7 +219,8 @@ MapResult judged(FitAtPlaces at, PlaceSource places, const std::vector<ErrorSamp
   result.n_used = static_cast<std::size_t>(used.counts.sum());
   result.places = places;
   result.n_places = static_cast<std::size_t>(used.size());
-  result.at_places = {used.positions, used.errors, at.fit.residuals, at.fit.sigmas};
+  result.at_places = {used.positions, used.errors, at.fit.residuals,
+                      at.fit.sigmas.cwiseMax(rounding_sigma(samples))};
   result.coverage_95 = coverage_95(result.at_places);
   result.rejected = std::move(at.rejected);
   for (const Outlier& outlier : at.fit.outliers)
