@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "planar_servo/console/console.h"
 
 #include "program.h"
@@ -30,6 +32,16 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   add_value(app, "--certificate", options.listening.certificate, "FILE.pem",
             "serve by https with this certificate");
+  app.add_option("--origin", options.listening.origins,
+                 "address at which a proxy or tunnel shows the page, such as "
+                 "https://arm.example.org; may be given several times")
+      ->type_name("ORIGIN")
+      ->check([](const std::string& origin) {
+        const bool good = origin.rfind("http://", 0) == 0 || origin.rfind("https://", 0) == 0;
+        return good && std::count(origin.begin(), origin.end(), '/') == 2
+                   ? ""
+                   : "'" + origin + "' is not SCHEME://HOST[:PORT] without a path";
+      });
   add_value(app, "--key", options.listening.key, "FILE.pem", "the certificate's key");
 }
 

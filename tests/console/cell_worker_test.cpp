@@ -146,7 +146,7 @@ TEST_CASE("Only commands of a page are taken, one line each") {
 }
 
 TEST_CASE("A table that nobody can teach to is a doubt, and the cell moves all the same") {
-  Bench bench("id,x_mm,y_mm\nA,1,2\n");
+  Bench bench("id,x_mm,y_mm,z_mm\nA,1,2,3\n");
   const auto doubts = bench.board.state().doubts;
   REQUIRE(doubts.size() == 1);
   CHECK_THAT(doubts[0].fault, Contains("no place can be taught"));

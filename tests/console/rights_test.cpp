@@ -116,6 +116,25 @@ TEST_CASE("A page of another site is refused whatever it can send") {
   CHECK(status_of(head) == 403);
 }
 
+TEST_CASE("A page behind a proxy is refused at its first question, unless its origin is known") {
+  RequestHead head = get_with(kGate.tokens().read);
+  head.origin = "https://arm.example.org";
+  REQUIRE(status_of(head) == 403);
+  CHECK_THAT(kGate.denial(head)->refusal.remedy,
+             Catch::Contains("--origin https://arm.example.org"));
+  ConsoleSite site{8377};
+  site.origins = {"https://arm.example.org"};
+  const Gatekeeper known(site, kGate.tokens());
+  CHECK_FALSE(known.denial(head));
+  head.host = "arm.example.org";
+  CHECK_FALSE(known.denial(head));
+  head.host = "other.example.org";
+  CHECK(known.denial(head));
+  head.host = "arm.example.org";
+  head.origin = "https://other.example.org";
+  CHECK(known.denial(head));
+}
+
 TEST_CASE("A name that leads here without being this computer's is refused") {
   RequestHead head = get_with(kGate.tokens().operate);
   for (const char* host : {"", "example.org:8377", "127.0.0.1", "127.0.0.1:80", "localhost:8378"}) {

@@ -268,12 +268,42 @@ TEST_CASE("A table is continued only when its ids are known and its last line is
   CHECK_THROWS_WITH(taught.append({"a", {0.0, 0.0}, 0.0}), Contains("'a' is taken"));
   taught.append({"b", {0.1, 0.2}, 0.0});
   CHECK(read_targets(file).size() == 2);
-  CHECK_THROWS_WITH(TaughtTargets(folder.write("u.csv", "id,x_mm,y_mm\na,1,2\n")),
+  CHECK_THROWS_WITH(TaughtTargets(folder.write("u.csv", "id,x_mm,y_mm,z_mm\na,1,2,3\n")),
                     Contains("u.csv:1") && Contains("id,x_mm,y_mm,phi_deg"));
   CHECK_THROWS_WITH(TaughtTargets(folder.write("v.csv", "id,x_mm,y_mm,phi_deg\na,1,2,0")),
                     Contains("the last line does not end with a newline"));
   CHECK_THROWS_WITH(TaughtTargets(folder.write("w.csv", "id,x_mm,y_mm,phi_deg\na,one,2,0\n")),
                     Contains("w.csv:2: x_mm is 'one'"));
+}
+
+TEST_CASE("Places are taught to a table without directions, without theirs") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("t.csv", "# mine\nid,x_mm,y_mm\n\na,1,2\n");
+  TaughtTargets taught(file);
+  taught.append({"b", {0.1, 0.2}, 0.5});
+  CHECK(read_file(file) == "# mine\nid,x_mm,y_mm\n\na,1,2\nb,100.000000,200.000000\n");
+  CHECK(read_targets(file).size() == 2);
+  CHECK_FALSE(taught.at("b").phi_d);
+}
+
+TEST_CASE("A step along the line of one that was stopped returns to that line") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const auto devices = open_cell(cell);
+  double stop_s = HUGE_VAL;
+  JogConsole console(cell, *devices, "", [&] { return devices->clock().now_s() > stop_s; });
+  REQUIRE(console.execute("enable").done);
+  for (int i = 0; i < 2; ++i) REQUIRE(console.execute("joint 2 15").done);
+  const Eigen::Vector2d begin = console.arm().tip().p;
+  stop_s = devices->clock().now_s() + 0.1;
+  const auto cut = console.execute("x -40");
+  CHECK_FALSE(cut.done);
+  CHECK_THAT(cut.text, Contains(" of 40.000 mm; joints"));
+  const Eigen::Vector2d rest = console.arm().tip().p;
+  REQUIRE(std::abs(rest.y() - begin.y()) > 0.05e-3);  // no motor has made the same share
+  stop_s = HUGE_VAL;
+  CHECK(console.execute("x -5").done);
+  CHECK(std::abs(console.arm().tip().p.y() - begin.y()) < 5e-6);
+  CHECK(console.arm().tip().p.x() == Approx(rest.x() - 5e-3).margin(5e-6));
 }
 
 TEST_CASE("The meter tells dark, good and saturated lamps apart, whatever a few hot pixels say") {

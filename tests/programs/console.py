@@ -340,6 +340,22 @@ def try_stop(console):
     check(console.post("/api/operator", {"take": True})[1]["operator"] == ONE, "the floor is not given back")
 
 
+def try_closed_page(console):
+    """Who closes the page gives the cell up within seconds; who only loses the line for a moment does not."""
+    head = f" HTTP/1.1\r\nHost: 127.0.0.1:{console.port}\r\nAuthorization: Bearer {console.operate}\r\n\r\n"
+    watch = console.opened(f"GET /api/events?client={OTHER}" + head)
+    page = console.opened(f"GET /api/events?client={ONE}" + head)
+    check(console.post("/api/command", {"line": "joint 1 0.1"})[0] == 200, "no move")
+    check(console.state()["operator"] == ONE, "nobody moves the cell")
+    page.close()
+    page = console.opened(f"GET /api/events?client={ONE}" + head)
+    time.sleep(6)
+    check(console.state()["operator"] == ONE, "a page that came back has lost the cell")
+    page.close()
+    eventually(lambda: console.state()["operator"] is None, "a closed page keeps the cell")
+    watch.close()
+
+
 def try_late_orders(console):
     """What was ordered before a stop and comes later begins no more, with the number of stops or without."""
     for i in range(LATE_ORDERS):
@@ -404,7 +420,7 @@ def main():
     try_step(fresh)
     fresh.end()
     slow = Console("slow.yaml")
-    for what in (try_jog, try_stop, try_late_orders, try_floods, try_end):
+    for what in (try_jog, try_stop, try_closed_page, try_late_orders, try_floods, try_end):
         what(slow)
 
 

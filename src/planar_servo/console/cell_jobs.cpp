@@ -230,6 +230,9 @@ ServoRequest CellJobs::request(const Stop& stop) {
   request.cell = cell_.settings();
   request.center = request.cell.lamps.method;
   request.stop = stop;
+  request.checking = [this](const auto& places) {
+    board_.change([&](CellState& state) { state.checking_B = places; });
+  };
   request.found = [this](const auto& found) { note_findings(found); };
   const double ago_s = clock_.now_s() - well_s_;
   if (ago_s < kWellFor_s) request.checked_s_ago = ago_s;

@@ -60,7 +60,7 @@ struct Console::Kept {
   std::function<bool()> interrupted;
   std::shared_ptr<const Tls> tls{tls_of(listening)};
   ListeningPort port{listening.address, listening.port};
-  Gatekeeper gate{{port.number(), listening.address, tls}, new_tokens()};
+  Gatekeeper gate{{port.number(), listening.address, tls, listening.origins}, new_tokens()};
   StateBoard board{CellNames(cell_file)};
 };
 

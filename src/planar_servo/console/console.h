@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace planar {
 
@@ -18,6 +19,7 @@ struct ConsoleListening {
   int port{0};  ///< 0 for a free one
   std::string address{"127.0.0.1"};
   std::filesystem::path certificate{}, key{};
+  std::vector<std::string> origins{};  ///< see ConsoleSite
 };
 
 /// One program that owns a cell and serves a page and an API at which it is worked.

@@ -202,6 +202,9 @@ ordered_json StateBoard::json_locked() const {
           {"text", state.text},
           {"since_s", json_number(now_s - state.since_s)},
           {"held_by", or_null(state.held_by)},
+          {"checking_mm",
+           state.checking_B ? json_list(*state.checking_B, [](const auto& p) { return json_mm(p); })
+                            : null},
           {"operator", or_null(state.mover)},
           {"arm", state.arm ? arm_json(*state.arm) : null},
           {"seen_mm", state.seen_B ? json_mm(*state.seen_B) : null},

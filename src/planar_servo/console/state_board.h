@@ -108,6 +108,8 @@ struct CellState {
   Doing doing{Doing::kIdle};
   std::string text{"idle"};
   double since_s{0.0};  ///< by the steady clock
+  /// The places of a check of the cell that is under way.
+  std::optional<std::vector<Eigen::Vector2d>> checking_B{};
   std::string held_by{};
   std::string mover{};  ///< the client that moves the cell
   std::optional<ArmState> arm{};

@@ -72,11 +72,27 @@ void JogArm::step(const Eigen::Vector2d& step_B) {
   require_ready();
   const Joints near = commanded();
   const PlanarArm& arm = planner_.arm();
-  TipPose tip = arm.forward(near);
-  tip.p += step_B;
-  const InverseResult inverse = arm.inverse(tip, arm.elbow(near), near);
+  const TipPose begin = on_line(step_B);
+  const InverseResult inverse = arm.inverse({begin.p + step_B, begin.phi}, arm.elbow(near), near);
   if (inverse.status != ReachStatus::kOk) throw InputError(describe(inverse.status));
-  move_to(inverse.theta);
+  try {
+    move_to(inverse.theta);
+    cut_.reset();
+  } catch (const StopRequested& stopped) {
+    const Eigen::Vector2d along = step_B.normalized();
+    cut_ = CutShort{begin, along, commanded()};
+    throw StopRequested(fmt::format("{} after {:.3f} of {:.3f} mm", stopped.what(),
+                                    mm((tip().p - begin.p).dot(along)), mm(step_B.norm())));
+  }
+}
+
+TipPose JogArm::on_line(const Eigen::Vector2d& step_B) const {
+  TipPose at = tip();
+  constexpr double kSame = 1e-9;
+  const bool continues =
+      cut_ && commanded() == cut_->rest && std::abs(cross2d(cut_->along, step_B)) < kSame;
+  if (!continues) return at;
+  return {cut_->begin.p + cut_->along * (at.p - cut_->begin.p).dot(cut_->along), cut_->begin.phi};
 }
 
 std::string JogArm::go_to(const TargetRow& target) {
@@ -101,8 +117,7 @@ void JogArm::take_over() {
 }
 
 void JogArm::require_enabled() const {
-  if (!enabled_)
-    throw InputError(Refusal{"the drives are off", "enable them first (key o, command enable)"});
+  if (!enabled_) throw InputError(Refusal{"the drives are off", "enable them first"});
 }
 
 void JogArm::require_ready() {

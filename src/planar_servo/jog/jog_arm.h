@@ -37,7 +37,9 @@ class JogArm {
 
   /// Turns the motor behind its gear, and with it what rides on that link.
   void turn(int joint, double angle);
-  /// Moves the end point along the base's axes and keeps the tool's direction.
+  /// Moves the end point along the base's axes and keeps the tool's direction. A step that is
+  /// stopped leaves the arm beside its line, to which the next step along it returns. Throws
+  /// StopRequested with the way that was made.
   void step(const Eigen::Vector2d& step_B);
   /// Moves to a target, by the arm that was found where the cell has one, as planar-servo goes
   /// there before it looks. Returns by which arm, in words.
@@ -69,6 +71,9 @@ class JogArm {
   PlanarRobot::Guard guard();
   /// Returns what forbids the short way from where the arm is to these joints, if anything does.
   std::optional<std::string> refusal(const Joints& theta) const;
+  /// Returns the present pose, put back on the line of a step that was cut short here if that led
+  /// the same way.
+  TipPose on_line(const Eigen::Vector2d& step_B) const;
   double duration_s(const Joints& theta) const;
 
   CellSettings cell_;
@@ -78,6 +83,13 @@ class JogArm {
   JointPlanner planner_;
   PlanarRobot robot_;
   bool enabled_{false};
+  /// A step that was cut short: where its line began, its direction, and where the arm rests since.
+  struct CutShort {
+    TipPose begin;
+    Eigen::Vector2d along{1.0, 0.0};
+    Joints rest{0.0, 0.0, 0.0};
+  };
+  std::optional<CutShort> cut_;
 };
 
 }  // namespace planar

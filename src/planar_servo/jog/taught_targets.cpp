@@ -28,7 +28,12 @@ std::string text_of(const std::filesystem::path& path) {
   return text;
 }
 
-std::vector<TargetRow> targets_in(const std::filesystem::path& path) {
+bool lacks_phi(const std::string& header) {
+  return split_fields(header) == std::vector<std::string_view>{"id", "x_mm", "y_mm"};
+}
+
+/// `has_phi` becomes false for a table without directions.
+std::vector<TargetRow> targets_in(const std::filesystem::path& path, bool& has_phi) {
   TargetLines lines(path.string());
   const std::string whole = text_of(path);
   std::istringstream text(whole);
@@ -42,7 +47,8 @@ std::vector<TargetRow> targets_in(const std::filesystem::path& path) {
       if (!lines.has_columns()) throw;
       for (const Refusal& refusal : e.refusals()) faults.add(refusal);
     }
-    if (lines.has_columns() && !had_columns &&
+    if (lines.has_columns() && !had_columns) has_phi = !lacks_phi(line);
+    if (lines.has_columns() && !had_columns && has_phi &&
         split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
       throw InputError(
           {fmt::format("the header is '{}'; targets can only be added below id,x_mm,y_mm,phi_deg",
@@ -74,7 +80,7 @@ std::string names_of(const std::vector<TargetRow>& targets) {
 }  // namespace
 
 TaughtTargets::TaughtTargets(std::filesystem::path path)
-    : path_(std::move(path)), targets_(targets_in(path_)) {
+    : path_(std::move(path)), targets_(targets_in(path_, has_phi_)) {
   require_growable(path_);
 }
 
@@ -84,9 +90,11 @@ void TaughtTargets::append(const TargetRow& target) {
     throw InputError({fmt::format("the id '{}' is taken", target.id), "ids must differ"});
   // A table begun by a person was read before and may begin unlike our own.
   const bool begun = std::filesystem::exists(path_) && !std::filesystem::is_empty(path_);
-  GrowingFile(path_, begun ? "" : targets_header())
-      .append(target_line(target), Durability::kPowerLoss);
+  std::string line = target_line(target);
+  if (begun && !has_phi_) line = line.substr(0, line.rfind(',')) + '\n';
+  GrowingFile(path_, begun ? "" : targets_header()).append(line, Durability::kPowerLoss);
   targets_.push_back(target);
+  if (!has_phi_) targets_.back().phi_d.reset();
 }
 
 const TargetRow& TaughtTargets::at(const std::string& id) const {

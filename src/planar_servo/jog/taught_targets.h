@@ -12,12 +12,12 @@ namespace planar {
 class TaughtTargets {
  public:
   /// Continues the file that is there. A file that is empty or missing is begun with the first
-  /// target. Throws InputError naming bad rows, when the columns are not id, x_mm, y_mm, phi_deg in
-  /// this order, when the last line has no end, and when the file cannot be written.
+  /// target. Throws InputError naming bad rows, when the columns are not id, x_mm, y_mm and perhaps
+  /// phi_deg in this order, when the last line has no end, and when the file cannot be written.
   explicit TaughtTargets(std::filesystem::path path);
 
-  /// Appends a target. Throws InputError for an id that is taken or cannot be one; the file is then
-  /// unchanged.
+  /// Appends a target, without its direction in a table without directions. Throws InputError for
+  /// an id that is taken or cannot be one; the file is then unchanged.
   void append(const TargetRow& target);
 
   /// Returns all targets of the table.
@@ -27,6 +27,7 @@ class TaughtTargets {
 
  private:
   std::filesystem::path path_;
+  bool has_phi_{true};
   std::vector<TargetRow> targets_;
 };
 

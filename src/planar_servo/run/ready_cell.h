@@ -46,6 +46,9 @@ struct ServoRequest {
   /// Learns the arm from looks, and keeps what it learns where the cell names an arm_learned file.
   bool learns{false};
   bool forgets{false};  ///< ignores what that file holds at first
+  /// Is told the places (base frame) of each check of the cell that begins, and nothing once it has
+  /// ended. May be empty.
+  std::function<void(const std::optional<std::vector<Eigen::Vector2d>>&)> checking{};
   /// Is told what each check of the cell has found, nothing where it is well. May be empty.
   std::function<void(const std::vector<HealthFinding>&)> found{};
 };
@@ -71,9 +74,10 @@ class ReadyCell {
   /// Switches the drives on and moves the camera's region to the lamps.
   void switch_on();
 
-  /// Homes where that is needed. Checks, before the first other motion and every ten minutes after it, whether the cell still agrees
-  /// with its files and its calibration. Returns nothing when no check was due, an empty text when
-  /// the cell is well, else what is not. Throws WorkError when it is not well at first.
+  /// Homes where that is needed. Checks, before the first other motion and every ten minutes after
+  /// it, whether the cell still agrees with its files and its calibration. Returns nothing when no
+  /// check was due, an empty text when the cell is well, else what is not. Throws WorkError when it
+  /// is not well at first.
   std::optional<std::string> examine_if_due();
   /// Returns whether the arm was moved since the first of these checks. Homing counts.
   bool has_moved_on() const;
@@ -122,9 +126,11 @@ class ReadyCell {
   Clock& clock_;
   MayHome may_home_;
   bool check_health_;
+  std::function<void(const std::optional<std::vector<Eigen::Vector2d>>&)> checking_;
   std::function<void(const std::vector<HealthFinding>&)> found_;
   std::optional<double> examined_s_;  ///< when the cell was last checked
-  std::optional<std::optional<Pulses>> begun_at_;  ///< where the arm stood after the first look, if known
+  std::optional<std::optional<Pulses>>
+      begun_at_;  ///< where the arm stood after the first look, if known
   VisionCalibration vision_;
   std::optional<HealthRecord> health_;
   GuardLimits limits_;

@@ -59,9 +59,11 @@ void refuse(httplib::Response& response, const std::exception_ptr& fault) {
 
 RequestHead head_of(const httplib::Request& request) {
   const auto header = [&](const char* name) { return request.get_header_value(name); };
-  return {request.method,         request.path,     header("Host"),
-          header("Origin"),       header("Cookie"), header("Authorization"),
-          header("Content-Type"), header(kClient)};
+  return {
+      request.method,         request.path,
+      header("Host"),         header(request.has_header("Origin") ? "Origin" : "X-Planar-Origin"),
+      header("Cookie"),       header("Authorization"),
+      header("Content-Type"), header(kClient)};
 }
 
 double number_in(const httplib::Request& request, const char* key) {
@@ -189,7 +191,7 @@ bool ConsoleApi::admit(const Request& request, Response& response) {
   const std::string token = request.get_param_value("token");
   if (head.method == "GET" && head.path == "/" && gate_.right_by(token) != Right::kNone) {
     response.set_header("Set-Cookie", gate_.cookie_for(token));
-    response.set_redirect("/", 303);
+    response.set_redirect("./", 303);
     return false;
   }
   if (const auto denial = gate_.denial(head)) {
@@ -249,7 +251,7 @@ void ConsoleApi::serve_pictures() {
 }
 
 void ConsoleApi::serve_events() {
-  server_.Get("/api/events", [this](const Request&, Response& response) {
+  server_.Get("/api/events", [this](const Request& request, Response& response) {
     if (++streams_ > kMostStreams) {
       --streams_;
       return refuse(response, 503,
@@ -257,15 +259,21 @@ void ConsoleApi::serve_events() {
                       "close some of their pages"}});
     }
     auto reader = std::make_shared<StateBoard::Reader>();
+    const std::string client = request.get_param_value("client");
+    orders_.follow_events(client, 1);
     response.set_chunked_content_provider(
         "text/event-stream",
         [this, reader](std::size_t, httplib::DataSink& sink) {
           worker_.watch();
+          orders_.release_closed();
           const std::string text = board_.next(*reader);
           if (text.empty()) sink.done();
           return !text.empty() && sink.write(text.data(), text.size());
         },
-        [this](bool) { --streams_; });
+        [this, client](bool) {
+          --streams_;
+          orders_.follow_events(client, -1);
+        });
   });
 }
 

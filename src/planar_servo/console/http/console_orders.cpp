@@ -54,6 +54,20 @@ int whole_or(const nlohmann::ordered_json& body, const char* key, int otherwise)
 
 }  // namespace
 
+void ConsoleOrders::follow_events(const std::string& client, int pages) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (client.empty()) return;
+  if ((pages_[client] += pages) == 0) pages_.erase(client);
+  if (client == mover_)
+    closed_s_ = pages_.count(client) == 0 ? std::optional(clock_.now_s()) : std::nullopt;
+}
+
+void ConsoleOrders::release_closed() {
+  constexpr double kComesBack_s = 3.0;  // a page that lost its line
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (closed_s_ && clock_.now_s() - *closed_s_ > kComesBack_s) set_floor("");
+}
+
 ConsoleOrders::Json ConsoleOrders::take_floor(const Json& body, const Sender& sender) {
   const std::string& client = sender.client;
   if (!member<bool>(body, "take")) {
@@ -200,6 +214,7 @@ void ConsoleOrders::require_floor(const std::string& client) {
 
 void ConsoleOrders::set_floor(const std::string& client) {
   mover_ = client;
+  closed_s_.reset();
   board_.change([&](CellState& state) { state.mover = client; });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -61,6 +62,11 @@ class ConsoleOrders {
     return {client, worker_.stops_known(stops)};
   }
 
+  /// A page with this client begins or ends to follow the events.
+  void follow_events(const std::string& client, int pages);
+  /// Takes the floor from a client whose pages have been closed for some seconds.
+  void release_closed();
+
   Json take_floor(const Json& body, const Sender& sender);
   Json stop();
   Json command(const Json& body, const Sender& sender);
@@ -88,6 +94,9 @@ class ConsoleOrders {
   CellWorker& worker_;
   ConsoleJobs& jobs_;
   std::mutex mutex_;
+  std::map<std::string, int> pages_;  ///< that follow the events, by client
+  std::optional<double> closed_s_;    ///< when the last page of the mover was closed
+  SteadyClock clock_;
   std::string mover_;  ///< the client that has the floor; empty while nobody has
 };
 

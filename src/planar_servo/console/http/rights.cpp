@@ -60,7 +60,13 @@ bool same_secret(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
+bool ConsoleSite::is_own_page(const std::string& origin, const std::string& host) const {
+  return (!host.empty() && origin == scheme() + "://" + host) ||
+         std::find(origins.begin(), origins.end(), origin) != origins.end();
+}
+
 bool ConsoleSite::is_own(const std::string& host) const {
+  if (is_own_page("http://" + host, "") || is_own_page("https://" + host, "")) return true;
   constexpr int kPortOfHttps = 443;  // browsers leave it out
   const std::size_t colon = host.find(':');
   if (host.substr(colon == host.npos ? host.size() : colon) != fmt::format(":{}", port) &&
@@ -74,11 +80,20 @@ std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
   const Right right = right_of(head);
   if (head.method == "POST" && head.path == kStop && right != Right::kNone) return std::nullopt;
   if (!site_.is_own(head.host))
-    return Denial{403, {fmt::format("the host is '{}'", head.host), "open " + address(), "Host"}};
-  if (!head.origin.empty() && head.origin != site_.scheme() + "://" + head.host)
     return Denial{403,
-                  {fmt::format("'{}' is another site", head.origin),
-                   "only the console's own page may ask", "Origin"}};
+                  {fmt::format("the host is '{}'", head.host),
+                   fmt::format("open {}, or, behind a proxy or tunnel, start planar-console with "
+                               "--origin https://{}",
+                               address(), head.host),
+                   "Host"}};
+  if (!head.origin.empty() && !site_.is_own_page(head.origin, head.host))
+    return Denial{
+        403,
+        {fmt::format("'{}' is another site", head.origin),
+         fmt::format("only the console's own page may ask; behind a proxy or tunnel, start "
+                     "planar-console with --origin {}",
+                     head.origin),
+         "Origin"}};
   if (right == Right::kNone)
     return Denial{401, {"no right to read", "open the address that planar-console has printed"}};
   if (head.method == "GET" || head.method == "HEAD") return std::nullopt;

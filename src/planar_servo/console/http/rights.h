@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "planar_servo/console/http/tls.h"
 #include "planar_servo/core/error.h"
@@ -44,10 +45,15 @@ struct ConsoleSite {
   int port{0};
   std::string address{"127.0.0.1"};
   std::shared_ptr<const Tls> tls{};
+  /// Addresses of proxies and tunnels to this console, as a browser names them:
+  /// SCHEME://HOST[:PORT].
+  std::vector<std::string> origins{};
 
   std::string scheme() const { return tls ? "https" : "http"; }
   /// Returns whether a request to this host, `NAME:PORT`, is meant for this console.
   bool is_own(const std::string& host) const;
+  /// Returns whether a page of this origin, seen at this host, is this console's.
+  bool is_own_page(const std::string& origin, const std::string& host) const;
 };
 
 /// Decides which requests to a console are answered. A page of another site that

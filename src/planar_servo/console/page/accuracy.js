@@ -23,11 +23,11 @@ export function prepareAccuracy() {
   byId("certificate-form").addEventListener("submit", event => {
     event.preventDefault();
     clearReadings();
-    order("/api/certificate", {out: byId("certificate-name").value, cycles: number("cycles"), targets: number("certified-targets")});
+    order("api/certificate", {out: byId("certificate-name").value, cycles: number("cycles"), targets: number("certified-targets")});
   });
   byId("experiment-name").value = `experiment_${dayOf(new Date())}`;
   byId("experiment-form").addEventListener("submit", event => {
     event.preventDefault();
-    order("/api/experiment", {out: byId("experiment-name").value});
+    order("api/experiment", {out: byId("experiment-name").value});
   });
 }

@@ -33,14 +33,14 @@ export async function order(path, body) {
 
 /// Gives a command as planar-jog takes it and shows its answer.
 export async function command(line) {
-  const answer = await order("/api/command", {line});
+  const answer = await order("api/command", {line});
   if (!answer) return false;
   if (answer.done) put("answer", plain(answer.text).replace(/\n/g, "; "));
   else complain({fault: answer.text});
   return answer.done;
 }
 
-export const stop = () => tell("/api/stop").catch(refusal => complain(refusal));
+export const stop = () => tell("api/stop").catch(refusal => complain(refusal));
 
 /// Whether this page has the right to operate and nobody else moves the cell.
 export const mayOperate = (cell, state) => cell.right === "operate" && (!state.operator || state.operator === client);

@@ -16,9 +16,10 @@ function doubtsOf({doubts, held_by: holder}) {
 
 function showWork(state) {
   const long = state.doing !== "idle" && state.since_s >= LONG_S ? duration(state.since_s) : "";
-  const holder = state.held_by ? "; held by a doubt" : "";
-  byId("lamp").dataset.doing = doubtsOf(state).length ? "doubt" : state.doing;
-  put("state-text", sentence(state.text || state.doing) + holder);
+  const checks = state.checking_mm !== null && state.doing === "running";
+  byId("lamp").dataset.doing = state.held_by ? "doubt" : state.doing;
+  put("state-text", state.held_by && state.doing === "idle" ? "Held by a doubt" :
+    checks ? "Checking the cell" : sentence(state.text || state.doing));
   put("state-age", long);
 }
 
@@ -60,10 +61,10 @@ function showOperator(cell, state) {
 /// Taking over from another page takes a second press.
 async function takeOver() {
   const button = byId("take");
-  if (button.dataset.mine === "true") return order("/api/operator", {take: false});
+  if (button.dataset.mine === "true") return order("api/operator", {take: false});
   if ("sure" in button.dataset) {
     delete button.dataset.sure;
-    return order("/api/operator", {take: true});
+    return order("api/operator", {take: true});
   }
   button.dataset.sure = "";
   put("take", "Stop and take over?");

@@ -15,7 +15,7 @@ function fileRow({role, path, exists, made, program, fault}) {
 
 export async function loadCell() {
   const board = encodeURIComponent(byId("step-board").value);
-  const [{files, next}, reports] = await Promise.all([ask(`/api/files?board=${board}`), ask("/api/reports")]);
+  const [{files, next}, reports] = await Promise.all([ask(`api/files?board=${board}`), ask("api/reports")]);
   show("next", Boolean(next));
   put("next-text", next ? next.text : "");
   put("next-command", next && next.command ? next.command : "");
@@ -30,11 +30,11 @@ export async function loadCell() {
 /// Does what is next where that only makes files.
 function doNext(event) {
   event.preventDefault();
-  order("/api/step", {board: byId("step-board").value || null});
+  order("api/step", {board: byId("step-board").value || null});
 }
 
 export function prepareCell() {
   byId("step-form").addEventListener("submit", doNext);
   byId("step-board").addEventListener("change", () => attempt(loadCell));
-  byId("check").addEventListener("click", () => order("/api/check"));
+  byId("check").addEventListener("click", () => order("api/check"));
 }

@@ -70,10 +70,11 @@ function showPlaces({places, monuments, here_mm: here}) {
 
 function showTargets() {
   if (recording()) return showPlaces(recording());
+  const checked = (state && state.checking_mm || []).map(([x, y]) => draw("circle", {cx: x, cy: -y, r: 9 * px, class: "chosen"}));
   const marks = targets.map(({id, x_mm, y_mm}) => glyph(kindOf(results.get(id)), [x_mm, y_mm]));
   if (targets.length * LABEL_PX <= svg.clientWidth) for (const {id, x_mm, y_mm} of targets)
     marks.push(draw("text", {x: x_mm + 7 * px, y: -y_mm - 5 * px, class: "label"}, id));
-  layers.targets.replaceChildren(...marks);
+  layers.targets.replaceChildren(...marks, ...checked);
 }
 
 /// Where an arrow begins and how long it is, in mm.
@@ -139,9 +140,9 @@ function redraw() {
 }
 
 export function showField(next) {
-  const before = recording();
+  const before = recording() || state && state.checking_mm;
   state = next;
-  if (before || recording()) showTargets();
+  if (before || recording() || state.checking_mm) showTargets();
   put("glyph-good", recording() ? "● done" : "● reached");
   put("glyph-bad", recording() ? "✕ left out" : "✕ not reached");
   const {arm, seen_mm: seen} = state;

@@ -29,9 +29,9 @@ function isHeld(hold) {
 
 /// Moves one step, and keeps it alive until it has ended or is let go. Returns whether another may follow.
 async function moveStep(hold) {
-  const begun = await order("/api/jog", {line: lineOf(hold.motion)});
+  const begun = await order("api/jog", {line: lineOf(hold.motion)});
   if (!begun) return false;
-  const keep = () => isHeld(hold) && tell("/api/jog/keep").catch(() => {});
+  const keep = () => isHeld(hold) && tell("api/jog/keep").catch(() => {});
   const beat = setInterval(keep, KEEP_MS);
   keep();
   const good = await new Promise(end => { moving = {hold, seq: begun.seq, end}; });
@@ -52,6 +52,7 @@ function press(motion, code) {
   const now = performance.now();
   const hold = {motion, code, heard: now, since: now, down: true, kept: true, begun: false, over: false};
   pressed = hold;
+  put("cut-short", "");
   before = before.then(() => follow(hold));
 }
 
@@ -79,6 +80,7 @@ export function showJog(state) {
 
 /// A step that is refused is told, and none follows it.
 export function heedLine({level, text}) {
+  if (level !== "info" && pressed) put("cut-short", sentence(text));
   if (level === "info" || !pressed || pressed.over) return;
   if (pressed.kept) complain({fault: text});
   pressed.down = false;

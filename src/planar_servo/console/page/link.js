@@ -32,11 +32,12 @@ export const heedStops = answer => {
   return answer;
 };
 
-export const ask = path => answerOf(fetch(path));
+/// The console refuses a page that is not its own at the first question, not at the first order.
+export const ask = path => answerOf(fetch(path, {headers: {"X-Planar-Origin": location.origin}}));
 
 export const tell = (path, body = {}) => answerOf(fetch(path, {
   method: "POST",
-  keepalive: path === "/api/stop",  // outlives the page
+  keepalive: path === "api/stop",  // outlives the page
   headers: {"Content-Type": "application/json", "X-Planar-Client": client, "X-Planar-Stops": stops},
   body: JSON.stringify(body),
 })).then(heedStops);
@@ -55,7 +56,7 @@ export function follow(handlers, begin, lost) {
   async function reopen() {
     stream.close();
     try {
-      await ask("/api/state");
+      await ask("api/state");
       open();
     } catch (refusal) {
       lost(refusal);
@@ -63,7 +64,7 @@ export function follow(handlers, begin, lost) {
     }
   }
   function open() {
-    stream = new EventSource("/api/events");
+    stream = new EventSource(`api/events?client=${client}`);
     stream.addEventListener("open", begin);
     for (const [name, handle] of Object.entries(handlers))
       stream.addEventListener(name, event => {

@@ -1,7 +1,7 @@
 // The page of planar-console: asks for the cell once, then follows its state.
 
 import {prepareAccuracy, showAccuracy} from "./accuracy.js";
-import {attempt, gate, mayAct, prepareActions} from "./actions.js";
+import {attempt, gate, mayAct, mayOperate, prepareActions} from "./actions.js";
 import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
 import {byId, put, show} from "./dom.js";
@@ -31,7 +31,7 @@ async function heedFiles(count) {
   const first = opened === null;
   opened = count;
   if (first) return;
-  cell = await attempt(() => ask("/api/cell")) || cell;
+  cell = await attempt(() => ask("api/cell")) || cell;
   showCell();
   attempt(loadCell);
 }
@@ -53,6 +53,7 @@ function showState(state) {
   heedJob(state.job);
   heedFiles(state.opened);
   gate(mayAct(cell, state));
+  document.body.classList.toggle("watching", !mayOperate(cell, state));
 }
 
 function clear() {
@@ -78,7 +79,7 @@ function lose(refusal) {
 async function begin() {
   show("old-browser", false);
   show("console", true);
-  cell = await attempt(() => ask("/api/cell"));
+  cell = await attempt(() => ask("api/cell"));
   if (!cell) return setTimeout(begin, 2000);
   prepareActions();
   prepareBar();

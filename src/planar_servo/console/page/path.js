@@ -30,7 +30,7 @@ export function addPass(row) {
 }
 
 export async function loadPath() {
-  const [path, rows] = await Promise.all([ask("/api/path"), ask("/api/results")]);
+  const [path, rows] = await Promise.all([ask("api/path"), ask("api/results")]);
   take(path);
   byId("path-rows").replaceChildren();
   rows.filter(({guided_by}) => guided_by).forEach(addPass);
@@ -39,7 +39,7 @@ export async function loadPath() {
 async function keep(event) {
   event.preventDefault();
   const csv = byId("path-csv").value;
-  const path = await order("/api/path", {csv: csv.trim() === EXAMPLE.trim() ? "" : csv});
+  const path = await order("api/path", {csv: csv.trim() === EXAMPLE.trim() ? "" : csv});
   if (!path) return;
   take(path);
   byId("path-edit").open = false;
@@ -47,7 +47,7 @@ async function keep(event) {
 
 function follow(event) {
   event.preventDefault();
-  order("/api/follow", {out: byId("path-name").value, speeds_mm_s: [byId("path-speed").valueAsNumber],
+  order("api/follow", {out: byId("path-name").value, speeds_mm_s: [byId("path-speed").valueAsNumber],
     guided_by: byId("guided-by").value.split(",")});
 }
 

@@ -20,8 +20,8 @@ async function showPicture(state) {
   if (loading || document.hidden || !picture.seq || picture.seq === shownSeq) return;
   loading = true;
   const seq = picture.seq;
-  const all = [load(byId("whole"), `/api/picture.jpg?seq=${seq}`)];
-  if (lamps) for (const n of [1, 2]) all.push(load(byId(`lamp-${n}`), `/api/lamp/${n}.jpg?seq=${seq}`));
+  const all = [load(byId("whole"), `api/picture.jpg?seq=${seq}`)];
+  if (lamps) for (const n of [1, 2]) all.push(load(byId(`lamp-${n}`), `api/lamp/${n}.jpg?seq=${seq}`));
   await Promise.all(all);
   shownSeq = seq;
   loading = false;
@@ -88,10 +88,12 @@ export function showCamera(cell) {
   const svg = byId("crosses");
   svg.setAttribute("viewBox", `0 0 ${size.width_px} ${size.height_px}`);
   svg.setAttribute("font-size", size.width_px / 36);
-  byId("frame").style.aspectRatio = `${size.width_px} / ${size.height_px}`;
+  byId("frame").style.setProperty("--ratio", size.width_px / size.height_px);
 }
 
 export function preparePicture() {
+  byId("brighten").addEventListener("change", event => byId("frame").classList.toggle("bright", event.target.checked));
+  byId("optics").open = !matchMedia("(max-width: 560px)").matches;  // a phone shows picture and jog in one view
   const form = byId("exposure-form");
   form.addEventListener("input", () => { form.dataset.changed = ""; });
   form.addEventListener("submit", async event => {

@@ -27,7 +27,7 @@ async function examine() {
     return;
   }
   markPlace([place.x_mm, place.y_mm]);
-  const answer = await attempt(() => ask(`/api/place?${new URLSearchParams(known(place))}`));
+  const answer = await attempt(() => ask(`api/place?${new URLSearchParams(known(place))}`));
   if (!answer) return;
   put("place", textOf(place, answer));
   byId("place").classList.toggle("warning", !answer.reachable || (hasMap && !answer.in_region));
@@ -53,5 +53,5 @@ export function preparePlace() {
     examine();
   });
   byId("place-form").addEventListener("input", () => setReady("go", false));
-  byId("go").addEventListener("click", () => order("/api/go", known(placeOf())));
+  byId("go").addEventListener("click", () => order("api/go", known(placeOf())));
 }

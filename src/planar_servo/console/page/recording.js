@@ -13,7 +13,7 @@ let asked = null;
 /// Answers the question that is shown; what is only advice is confirmed.
 async function answer(text) {
   const question = asked;
-  await attempt(() => question ? tell("/api/answer", {id: question.id, text}) : tell("/api/confirm"));
+  await attempt(() => question ? tell("api/answer", {id: question.id, text}) : tell("api/confirm"));
   byId("reading").value = "";
 }
 
@@ -67,7 +67,7 @@ export function prepareRecording() {
   byId("record-form").addEventListener("submit", event => {
     event.preventDefault();
     clearReadings();
-    order("/api/record", {plan: byId("plan").value, out: byId("recording-name").value, board: byId("board").value || null,
+    order("api/record", {plan: byId("plan").value, out: byId("recording-name").value, board: byId("board").value || null,
       on_bad_reading: byId("bad-reading").value});
   });
 }

@@ -1,9 +1,9 @@
 // The table of targets: written, run, resumed.
 
-import {attempt, order, setReady} from "./actions.js";
-import {byId, fixed, make, minuteOf, offerFile, put} from "./dom.js";
+import {attempt, complain, order, setReady} from "./actions.js";
+import {byId, fixed, make, minuteOf, offerFile, put, show} from "./dom.js";
 import {showOnField} from "./field.js";
-import {ask} from "./link.js";
+import {ask, tell} from "./link.js";
 import {choose} from "./place.js";
 import {kindOf, stateText} from "./results.js";
 
@@ -44,7 +44,7 @@ function take(list) {
 }
 
 export async function loadTargets() {
-  const [list, rows] = await Promise.all([ask("/api/targets"), ask("/api/results")]);
+  const [list, rows] = await Promise.all([ask("api/targets"), ask("api/results")]);
   for (const row of rows) heed(row);
   take(list);
 }
@@ -66,25 +66,42 @@ export function addResult(row) {
 
 async function keep(event) {
   event.preventDefault();
-  const answer = await order("/api/targets", {csv: byId("csv").value});
+  const answer = await order("api/targets", {csv: byId("csv").value});
   if (!answer) return;
   results.clear();
   take(answer.targets);
   byId("edit").open = false;
 }
 
-async function run(event) {
-  event.preventDefault();
-  const resume = byId("resume").checked;
-  if (!resume) results.clear();
-  showTargets();
-  const answer = await order("/api/run", {out: byId("run-name").value, resume, judged: false});
-  if (answer) job = answer.job;
+/// A folder that holds a run is not refused but asked about.
+async function run(resume) {
+  const out = byId("run-name").value;
+  show("run-ask", false);
+  try {
+    job = (await tell("api/run", {out, resume, judged: false})).job;
+    if (!resume) results.clear();
+    showTargets();
+  } catch (refusal) {
+    const holds = /holds a run already/.test(refusal.fault);
+    if (!holds) return complain(refusal);
+    put("run-ask-text", `${out} holds a run already.`);
+    show("run-ask", true);
+  }
+}
+
+function runAnew() {
+  byId("run-name").value = `run_${minuteOf(new Date())}_${new Date().getSeconds()}`;
+  run(false);
 }
 
 export function prepareTargets() {
   byId("run-name").value = `run_${minuteOf(new Date())}`;
-  byId("run-form").addEventListener("submit", run);
+  byId("run-form").addEventListener("submit", event => {
+    event.preventDefault();
+    run(byId("resume").checked);
+  });
+  byId("run-resume").addEventListener("click", () => run(true));
+  byId("run-anew").addEventListener("click", runAnew);
   byId("targets-form").addEventListener("submit", keep);
   offerFile("csv-file", "csv");
   document.addEventListener("taught", () => attempt(loadTargets));
