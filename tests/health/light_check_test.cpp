@@ -44,7 +44,12 @@ TEST_CASE("A change of light or focus is named with its size, its lamp and what 
   const auto bright = found_with([](LampLook& look) { look.level = 255.0; });
   REQUIRE(bright);
   CHECK(bright->cause == Cause::kTooBright);
-  const auto blurred = found_with([](LampLook& look) { look.blur_px = 2.0; });
+  const auto unclear = found_with([](LampLook& look) { look.blur_px = 2.0; });
+  REQUIRE(unclear);
+  CHECK(unclear->cause == Cause::kUnclearLamp);  // one of two: the lens has kept its focus
+  std::vector<LampLooks> unfocused = looks_of_field();
+  for (LampLooks& look : unfocused) look[0].blur_px = look[1].blur_px = 2.0;
+  const auto blurred = find_light_change(*ranges_of(looks_of_field()), unfocused, 3e-5);
   REQUIRE(blurred);
   CHECK(blurred->cause == Cause::kBlurred);
   CHECK_THAT(blurred->what, Catch::Contains("blurred by 2.00 px, was 0.80 to 1.00"));

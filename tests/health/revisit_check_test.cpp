@@ -44,7 +44,7 @@ const MovedThing kMoved[] = {
     {Cause::kLamp2Moved, kLampOff + 3, -0.2e-3, 0.2},
     {Cause::kZero2, kZeroOff + 1, 0.05 * kDegree, 0.05},
     {Cause::kZero3, kZeroOff + 2, -0.3 * kDegree, -0.3},
-    {Cause::kGear2, kGearOff + 1, 0.002, 1.002},
+    {Cause::kUneven2, kGearOff + 1, 0.002, 1.002},
     {Cause::kLink1, kLinkOff, 0.5e-3, 0.5},
 };
 

@@ -56,7 +56,7 @@ struct CheckedCell {
     return nearest_m;
   }
 
-  CellCheck check() { return {cell, vision, robot, sensor, devices->clock(), 0.0}; }
+  CellCheck check() { return {cell, vision, robot, sensor, devices->clock(), joint_planner(cell)}; }
 
   CellSettings cell{read_cell(test::workshop_cell_file())};
   std::unique_ptr<CellDevices> devices{open_cell(cell)};

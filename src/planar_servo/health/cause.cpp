@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "planar_servo/core/pose.h"
@@ -26,6 +28,9 @@ constexpr char kPlaneAgain[] =
 constexpr char kHome[] = "home the drive with planar-jog";
 constexpr char kTighten[] = "look at the gear, its coupling and the bolts of the joint";
 constexpr char kDrives[] = "correct `drives` in the cell file, then record and calibrate again";
+constexpr char kUneven[] =
+    "look for an eccentric reducer, coupling or pulley; if none is, correct `drives` in the cell "
+    "file, then record and calibrate again";
 constexpr char kArm[] = "correct `arm` in the cell file";
 
 constexpr Advice kAdvice[] = {
@@ -52,6 +57,12 @@ constexpr Advice kAdvice[] = {
     {Cause::kGear1, "the gear ratio of joint 1 is wrong", kAllFiles, kDrives},
     {Cause::kGear2, "the gear ratio of joint 2 is wrong", kAllFiles, kDrives},
     {Cause::kGear3, "the gear ratio of joint 3 is wrong", kAllFiles, kDrives},
+    {Cause::kUneven1, "the gear ratio of joint 1 is wrong, or the joint turns unevenly", kAllFiles,
+     kUneven},
+    {Cause::kUneven2, "the gear ratio of joint 2 is wrong, or the joint turns unevenly", kAllFiles,
+     kUneven},
+    {Cause::kUneven3, "the gear ratio of joint 3 is wrong, or the joint turns unevenly", kAllFiles,
+     kUneven},
     {Cause::kLink1, "link 1 has another length", kAllFiles, kArm},
     {Cause::kLink2, "link 2 has another length", kAllFiles, kArm},
     {Cause::kLinksExchanged, "the lengths of the links are exchanged", kAllFiles, kArm},
@@ -77,6 +88,8 @@ constexpr Advice kAdvice[] = {
     {Cause::kBlurred, "the picture is blurred", kAllFiles,
      "clean the window and the lamps; if the lens has lost its focus, begin with "
      "planar-calibrate-camera"},
+    {Cause::kUnclearLamp, "the rim of one lamp is unclear", kAllFiles,
+     "clean that lamp and the window before it, and look whether it shines evenly"},
     {Cause::kOval, "a lamp is no longer round", kAllFiles,
      "clean the lamp; check what covers it and whether light is reflected beside it"},
     {Cause::kWarmth,
@@ -84,6 +97,8 @@ constexpr Advice kAdvice[] = {
      "elsewhere",
      kAllFiles,
      "nothing, if the arm has worked for a while; fixed lamps in view would tell the two apart"},
+    {Cause::kView, "the view has changed there alone", kAllFiles,
+     "clean window and lens, and look for what stands in the way or is reflected there"},
     {Cause::kSeveral, "more than one thing has changed", "nothing, until the causes are known",
      "look at camera, lamps and arm; then calibrate what was touched"},
 };
@@ -99,6 +114,16 @@ constexpr char kDegrees[] = "deg", kMillimetres[] = "mm", kTurns[] = "turns per 
 
 bool is_gear(const Suspect& suspect) {
   return suspect.numbers.front() >= kGearOff && suspect.numbers.front() < kLinkOff;
+}
+
+/// Returns the cause. A gear that is nearly right may be right and an eccentric part have turned
+/// the joint: no mistaken count of teeth or steps is as near.
+Cause cause_of(const Suspect& suspect, const Numbers& off) {
+  constexpr double kNearlyRight = 0.01;
+  constexpr Cause kUnevenOf[] = {Cause::kUneven1, Cause::kUneven2, Cause::kUneven3};
+  const int number = suspect.numbers[0];
+  return is_gear(suspect) && std::abs(off[number]) < kNearlyRight ? kUnevenOf[number - kGearOff]
+                                                                  : suspect.cause;
 }
 
 bool is_link(const Suspect& suspect) {
@@ -176,10 +201,18 @@ const std::vector<Suspect>& suspects() {
   return all;
 }
 
+bool contains(const Suspect& a, const Suspect& b) {
+  const auto& [less, more] = std::minmax(
+      a.numbers, b.numbers, [](const auto& x, const auto& y) { return x.size() < y.size(); });
+  return std::all_of(less.begin(), less.end(), [&more = more](int number) {
+    return std::find(more.begin(), more.end(), number) != more.end();
+  });
+}
+
 HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, const Numbers& off,
                          double cost_m) {
-  HealthFinding finding{suspect.cause, size_of(suspect, off, cost_m), suspect.unit, cost_m,
-                        words(suspect.cause)};
+  const Cause cause = cause_of(suspect, off);
+  HealthFinding finding{cause, size_of(suspect, off, cost_m), suspect.unit, cost_m, words(cause)};
   if (is_gear(suspect)) {
     finding.what += fmt::format(": it turns {:.4f} times as far as commanded", finding.size);
   } else if (is_link(suspect)) {

@@ -68,6 +68,9 @@ enum class Cause {
   kGear1,
   kGear2,
   kGear3,
+  kUneven1,  ///< a gear ratio that is nearly right, or an eccentric part
+  kUneven2,
+  kUneven3,
   kLink1,
   kLink2,
   kLinksExchanged,
@@ -75,16 +78,18 @@ enum class Cause {
   kCoupling3,
   kPositiveRotation,
   kElbow,
-  kHome,        ///< the zeros of several joints
-  kSeparation,  ///< of the lamps
-  kNotVisited,  ///< the arm cannot go where the check needs it
-  kNotSeen,     ///< the lamps are not found at all
-  kBackground,  ///< light from elsewhere
-  kTooBright,   ///< a lamp
-  kBlurred,     ///< the picture, or a lamp in it
-  kOval,        ///< a lamp
-  kWarmth,      ///< of the arm; a camera that came a little closer looks the same
-  kSeveral,     ///< no single cause explains what is seen
+  kHome,         ///< the zeros of several joints
+  kSeparation,   ///< of the lamps
+  kNotVisited,   ///< the arm cannot go where the check needs it
+  kNotSeen,      ///< the lamps are not found at all
+  kBackground,   ///< light from elsewhere
+  kTooBright,    ///< a lamp
+  kBlurred,      ///< the picture
+  kUnclearLamp,  ///< one of them alone
+  kOval,         ///< a lamp
+  kWarmth,       ///< of the arm; a camera that came a little closer looks the same
+  kView,         ///< the picture near one place alone
+  kSeveral,      ///< no single cause explains what is seen
 };
 
 /// Holds one thing that was found out of order, with its remedy.
@@ -118,6 +123,9 @@ struct Suspect {
 /// noise.
 constexpr double kAsLikely = 6.0;
 constexpr double kLittleLeft = 0.02;
+
+/// Returns whether one of two suspects frees all numbers of the other, and so always fits as well.
+bool contains(const Suspect& a, const Suspect& b);
 
 /// Returns all causes that make numbers differ.
 const std::vector<Suspect>& suspects();

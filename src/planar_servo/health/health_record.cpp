@@ -115,18 +115,25 @@ std::optional<LookRanges> ranges_of(const std::vector<LampLooks>& looks) {
 
 std::optional<HealthFinding> find_light_change(const LookRanges& then,
                                                const std::vector<LampLooks>& now, double cost_m) {
-  for (const Respect& respect : kRespects)
-    for (std::size_t lamp = 0; lamp < 2; ++lamp) {
+  for (const Respect& respect : kRespects) {
+    const auto has_changed = [&](std::size_t lamp) {
       const double value = mean_of(now, lamp, respect);
       const double least = respect.value(then[lamp].least), most = respect.value(then[lamp].most);
       const double width = std::max(respect.least_width, most - least);
-      const bool changed = (respect.counts_above && value > most + width) ||
-                           (respect.counts_below && value < least - width);
-      if (!(value > 0.0) || !changed) continue;
-      return HealthFinding{respect.cause, value, respect.unit, cost_m,
-                           fmt::format(fmt::runtime(respect.format), words(respect.cause), lamp + 1,
-                                       value, least, most)};
+      return value > 0.0 && ((respect.counts_above && value > most + width) ||
+                             (respect.counts_below && value < least - width));
+    };
+    for (std::size_t lamp = 0; lamp < 2; ++lamp) {
+      if (!has_changed(lamp)) continue;
+      const bool alone = respect.cause == Cause::kBlurred && !has_changed(1 - lamp);
+      const Cause cause = alone ? Cause::kUnclearLamp : respect.cause;
+      const double value = mean_of(now, lamp, respect);
+      return HealthFinding{
+          cause, value, respect.unit, cost_m,
+          fmt::format(fmt::runtime(respect.format), words(cause), lamp + 1, value,
+                      respect.value(then[lamp].least), respect.value(then[lamp].most))};
     }
+  }
   return std::nullopt;
 }
 

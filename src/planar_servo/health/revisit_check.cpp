@@ -184,8 +184,9 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
                          words(Cause::kSeveral), mm(cost_m))}};
   std::vector<HealthFinding> found{finding_of(*best.suspect, model, best.off, cost_m)};
   const auto second = std::find_if(fits.begin() + 1, fits.end(), [&](const ChangeFit& fit) {
-    return fit.suspect->numbers.size() == best.suspect->numbers.size() &&
-           (fit.score < best.score + kAsLikely || fit.chi2 < little);
+    const bool alike = fit.suspect->numbers.size() == best.suspect->numbers.size();
+    return (fit.score < best.score + kAsLikely && !contains(*fit.suspect, *best.suspect)) ||
+           (alike && fit.chi2 < little);
   });
   if (second != fits.end())
     found.push_back(finding_of(*second->suspect, model, second->off, cost_m));

@@ -29,6 +29,10 @@ constexpr double kCorrectedSigma_m = 0.1e-3;
 constexpr double kUncorrectedSigma_m = 2e-3;
 /// One pulse of a motor, and what heat and bearings add, at the end of the arm.
 constexpr double kRepeatability_m = 3e-6;
+/// Twice the logarithm of odds of 10 to 1.
+constexpr double kTenToOne = 4.6;
+/// So far beside a place, radians, the arm meets other teeth, and dirt before the lens is the same.
+constexpr double kNearby = 1.0 * kDegree;
 /// The play of a gear fit for positioning, which shows where the arm arrives from either side.
 constexpr double kPlay = 0.01 * kDegree;
 
@@ -79,13 +83,14 @@ bool may_be_stray(const std::vector<HealthFinding>& found) {
 }  // namespace
 
 CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-                     LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait)
+                     LampTipSensor& sensor, Clock& clock, const JointPlanner& as_found,
+                     CameraWait wait)
     : cell_(cell),
       vision_(vision),
       robot_(robot),
       sensor_(sensor),
       clock_(clock),
-      scatter_m_(scatter_m),
+      as_found_(as_found),
       wait_(std::move(wait)),
       planner_(joint_planner(cell)),
       ways_(cell, [&sensor](const TipPose& tip) { return sensor.lamps_at(tip).has_value(); }),
@@ -199,7 +204,7 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
   return Revisit{
       planner_.transmission().motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
       std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_)),
-      scatter_m_};
+      as_found_.scatter_m()};
 }
 
 std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) {
@@ -221,7 +226,7 @@ std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) 
   constexpr int kRounds = 2;  // two stops in a row stray once in some thousand times
   for (int round = 0; round < kRounds && has_changed(model_, revisits); ++round) {
     if (auto finding = visit_again(visited_places, revisits)) return {*finding};
-    leave_out_stray(visited_places, revisits);
+    if (auto finding = judge_odd_place(visited_places, revisits)) return {*finding};
   }
   // Play that has grown displaces the arm on either side, as a lost zero would.
   std::vector<HealthFinding> play = play_now(visited_places, revisits);
@@ -246,15 +251,54 @@ std::optional<HealthFinding> CellCheck::visit_again(const std::vector<HealthPlac
   return std::nullopt;
 }
 
-void CellCheck::leave_out_stray(const std::vector<HealthPlace>& places,
-                                std::vector<Revisit>& revisits) const {
-  const auto stray = stray_place(model_, revisits);
-  if (!stray) return;
-  spdlog::warn(fmt::format(
-      "only place '{}' is not where it was: the arm strayed there when it was recorded; the "
-      "place is left out of the check",
-      places[*stray].id));
-  revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*stray));
+std::optional<Eigen::Vector2d> CellCheck::seen_beside(const Joints& theta) {
+  if (approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), theta) || go_to(theta))
+    return std::nullopt;
+  const TipPose expected = as_found_.reached(robot_.commanded_joints());
+  const TipMeasurement seen = measure(expected, cell_.servo.frames_per_measurement);
+  if (!seen.ok()) return std::nullopt;
+  return seen.tip.p - expected.p;
+}
+
+std::optional<HealthFinding> CellCheck::judge_odd_place(const std::vector<HealthPlace>& places,
+                                                        std::vector<Revisit>& revisits) {
+  const auto odd = stray_place(model_, revisits);
+  if (!odd) return std::nullopt;
+  const Revisit at = revisits[*odd];
+  const HealthPlace& place = places[*odd];
+  revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*odd));
+  const Eigen::Vector2d moved =
+      tip_from_places(at.now_B, vision_.tool).p - tip_from_places(at.then_B, vision_.tool).p;
+  const double odds = odds_of_stray(place, places, moved);
+  const std::string what = fmt::format(
+      "only place '{}' is not where it was, by {:.3f} mm: ", place.id, mm(moved.norm()));
+  if (odds < -kTenToOne)
+    return HealthFinding{Cause::kView, mm(moved.norm()), "mm", moved.norm(),
+                         what + words(Cause::kView)};
+  spdlog::warn("{}the arm strayed there when it was recorded{}; the place is left out of the check",
+               what, odds > kTenToOne ? "" : ", or the view has changed there");
+  return std::nullopt;
+}
+
+/// Looks at the place and at two beside it, and at the others. The arm as it was found and the
+/// compensated view agree where both are as at the calibration: an arm that strayed when the place
+/// was recorded makes them agree there now, a view that has changed there no longer.
+double CellCheck::odds_of_stray(const HealthPlace& place, const std::vector<HealthPlace>& places,
+                                const Eigen::Vector2d& moved) {
+  if (!as_found_.found()) return 0.0;
+  std::vector<Eigen::Vector2d> others;
+  for (const HealthPlace& other : places)
+    if (other.id != place.id)
+      if (const auto beside = seen_beside(other.theta)) others.push_back(*beside);
+  if (others.size() < 2) return 0.0;
+  double squares = 0.0;
+  for (const Eigen::Vector2d& beside : others) squares += beside.squaredNorm();
+  const double variance = squares / (2.0 * static_cast<double>(others.size()));
+  double odds = 0.0;
+  for (const double nearby : {0.0, kNearby, -kNearby})
+    if (const auto now = seen_beside(place.theta + Joints(nearby, nearby, nearby)))
+      odds += ((*now - moved).squaredNorm() - now->squaredNorm()) / variance;
+  return odds;
 }
 
 std::vector<HealthFinding> CellCheck::play_now(const std::vector<HealthPlace>& places,
@@ -366,8 +410,8 @@ std::vector<HealthFinding> check_devices(const CellSettings& cell, const Checked
   home_where_needed(robot, may_home);
   LampTipSensor sensor(files.vision, cell.lamps.method, devices.camera(),
                        cell.camera.follow_region_px);
-  CellCheck check(cell, files.vision, robot, sensor, devices.clock(),
-                  servo_planner(cell).scatter_m(), [&](const std::string& reason) {
+  CellCheck check(cell, files.vision, robot, sensor, devices.clock(), servo_planner(cell),
+                  [&](const std::string& reason) {
                     return wait_for_camera(devices.camera(), robot, devices.clock(), "the check",
                                            reason, devices.clock().now_s() + kCameraPatience_s);
                   });

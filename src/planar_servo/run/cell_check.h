@@ -27,12 +27,13 @@ class CellCheck {
   /// Receives why the camera failed; returns true once it is back.
   using CameraWait = std::function<bool(const std::string& reason)>;
 
-  /// Takes robot, sensor and clock, which must outlive it, and the scatter that the arm was found
-  /// to have, per axis; 0 where it is not known. The drives must be on. Both checks continue after
+  /// Takes robot, sensor and clock, which must outlive it, and the planner for the arm as it was
+  /// found, if it was. The drives must be on. Both checks continue after
   /// a `wait` for the camera; without one they throw WorkError. They throw what
   /// PlanarRobot::move_to() throws.
   CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-            LampTipSensor& sensor, Clock& clock, double scatter_m, CameraWait wait = {});
+            LampTipSensor& sensor, Clock& clock, const JointPlanner& as_found,
+            CameraWait wait = {});
 
   /// Moves each motor a little, near where the arm stands, and compares what is seen with what was
   /// commanded. Returns what differs from the files, first of all light and focus that differ from
@@ -65,9 +66,18 @@ class CellCheck {
   /// arrives now, one that has slipped arrives at neither. Returns why they were not seen.
   std::optional<HealthFinding> visit_again(const std::vector<HealthPlace>& places,
                                            std::vector<Revisit>& revisits);
-  /// Removes a place at which the arm strayed when it was recorded.
-  void leave_out_stray(const std::vector<HealthPlace>& places,
-                       std::vector<Revisit>& revisits) const;
+  /// Looks into the only place that differs, if there is one: either the arm strayed there when it
+  /// was recorded, or the view has changed there. Returns the latter as a finding; else the place
+  /// is left out, and what is not known is logged.
+  std::optional<HealthFinding> judge_odd_place(const std::vector<HealthPlace>& places,
+                                               std::vector<Revisit>& revisits);
+  /// Returns twice the logarithm of the odds that the arm strayed at `place` when it was recorded,
+  /// to those that the view has changed there since, where lamps are seen `moved` (metres).
+  double odds_of_stray(const HealthPlace& place, const std::vector<HealthPlace>& places,
+                       const Eigen::Vector2d& moved);
+  /// Returns by how much the end point is seen, compensated, beside where the arm as it was found
+  /// brings it; nothing where it is not seen.
+  std::optional<Eigen::Vector2d> seen_beside(const Joints& theta);
   /// Looks for play here and, if there seems to be some, at another place: an arm that strays as it
   /// comes from above does so at one of them only.
   std::vector<HealthFinding> play_now(const std::vector<HealthPlace>& places,
@@ -86,7 +96,7 @@ class CellCheck {
   PlanarRobot& robot_;
   LampTipSensor& sensor_;
   Clock& clock_;
-  double scatter_m_;
+  JointPlanner as_found_;
   CameraWait wait_;
   JointPlanner planner_;
   CheckWays ways_;

@@ -80,6 +80,7 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       clock_(devices.clock()),
       may_home_(request.may_home),
       check_health_(request.check_health),
+      checking_(request.checking),
       found_(request.found),
       vision_(read_vision(cell_, request.use_error_map)),
       health_(read_cell_health(cell_)),
@@ -136,11 +137,20 @@ std::string ReadyCell::examine() {
                  ": names no health file that exists, so nobody can say what has moved since the "
                  "calibration; planar-pair-tracker --health-out makes one");
   int waits_left = kMaxCameraFailures;
-  CellCheck check(cell_, vision_, robot_, sensor_, clock_, planner_.scatter_m(),
+  CellCheck check(cell_, vision_, robot_, sensor_, clock_, planner_,
                   [&](const std::string& reason) {
                     return waits_left-- > 0 &&
                            wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
                   });
+  std::vector<Eigen::Vector2d> places;
+  if (health_)
+    for (const HealthPlace& place : health_->places)
+      places.push_back(planner_.arm().forward(place.theta).p);
+  const auto tell = [this](const auto& what) {
+    if (checking_) checking_(what);
+  };
+  tell(std::optional(places));
+  const std::shared_ptr<void> told(nullptr, [&](void*) { tell(std::nullopt); });
   int recoveries_left = kMaxDriveRecoveries;
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
     return first ? check_cell(check, health_) : check_again(check, *health_);
