@@ -5,8 +5,9 @@ bumped.
     bench/recordings.py BIN_DIR OUT_DIR [--recordings N] [--kinds KIND,...] [--places N] [--first SEED]
         [--sound-only]
 
-Every cell is drawn, its camera calibrated, and its training places are recorded in three orders: on a spiral from
-within, ring after ring from within, and as planar-plan orders them. Kinds that planar-virtual-cell does not know are
+Every cell is drawn, its camera calibrated, and its training places are recorded in orders of many kinds: on a spiral
+from within (also with even steps of the radius, along its line, from without), ring after ring, row after row, sector
+after sector, and as planar-plan orders them. Kinds that planar-virtual-cell does not know are
 left out. Every recording is paired as it is, and with the readings shifted from some place on.
 Prints how many of them were refused and doubted, and of the shifted ones how many were named within three places.
 Ends with status 1 if a sound recording is refused. A recording that OUT_DIR holds already is not made again.
@@ -24,7 +25,6 @@ import subprocess
 import sys
 
 KINDS = "paper,rough,ordinary,cheap"
-ORDERS = ("spiral", "rings", "planar-plan")
 SHIFTS_MM = (0.06, 0.1, 0.36)
 SHARES = (0.5, 0.06, 0.94)  # of the places before the shift
 NEAR_PLACES = 3
@@ -44,6 +44,41 @@ def rings(places):
     for radius, size in zip(radii, sizes):
         for i in range(size):
             yield radius, 2 * math.pi * i / size
+
+
+def even_radius(places):
+    for i in range(places):
+        yield 80 + 440 * (i + 0.5) / places, 2.4 * i
+
+
+def winding(places):
+    for i in range(places):
+        along = math.sqrt((i + 0.5) / places)
+        yield 80 + 440 * along, 12 * math.pi * along
+
+
+def inward(places):
+    return reversed(list(spiral(places)))
+
+
+def rows(places):
+    count = math.ceil(math.sqrt(places * 4 / math.pi))
+    steps = [-520 + 1040 * (i + 0.5) / count for i in range(count)]
+    for i, y in enumerate(steps):
+        for x in steps[::-1] if i % 2 else steps:
+            if 80 < math.hypot(x, y) < 520:
+                yield math.hypot(x, y), math.atan2(y, x)
+
+
+def sectors(places, count=8):
+    for i in range(places):
+        j = i // (places // count + 1)
+        share = (i * 0.618034) % 1
+        yield math.sqrt(80**2 + (520**2 - 80**2) * share), 2 * math.pi * (j + (i * 0.754878) % 1) / count
+
+
+ORDERS = {"spiral": spiral, "rings": rings, "planar-plan": None, "even radius": even_radius, "winding": winding,
+          "inward": inward, "rows": rows, "sectors": sectors}
 
 
 def plan_of(order, places):
@@ -90,7 +125,7 @@ class Cell:
             lines = (self.folder / "all.csv").read_text().splitlines()
             plan.write_text("\n".join(line for line in lines if "grid" not in line) + "\n")
         else:
-            plan.write_text(plan_of({"spiral": spiral, "rings": rings}[order], places))
+            plan.write_text(plan_of(ORDERS[order], places))
         self.must("planar-record", "--cell", "cell.yaml", "--plan", plan.name, "--out", order)
         self.must("planar-locate-lamps", "--cell", "cell.yaml", "-o", f"{order}/lamps.csv", order)
         shutil.rmtree(recording / "images")
@@ -147,8 +182,9 @@ def ask(cell, kind, order, shifts_mm, table):
     named = step_named(said)
     counts["sound"] += 1
     counts["refused"] += status != 0
-    counts["doubted"] += status == 0 and named is not None
-    if status != 0 or named:
+    doubted = named is not None or "drifted apart" in said
+    counts["doubted"] += status == 0 and doubted
+    if status != 0 or doubted:
         print(f"{cell.folder.name}, {order}, sound: exit {status}: {said.strip()}", flush=True)
     places = cell.training_places(order)
     for shift_mm in shifts_mm:
@@ -174,7 +210,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin_dir", type=pathlib.Path)
     parser.add_argument("out_dir", type=pathlib.Path)
-    parser.add_argument("--recordings", type=int, default=200, help="in all, three to a cell")
+    parser.add_argument("--recordings", type=int, default=200, help="in all, one in each order to a cell")
     parser.add_argument("--kinds", default=KINDS, help="of cells, as planar-virtual-cell draw --like knows them")
     parser.add_argument("--places", type=int, default=120, help="training places of a recording")
     parser.add_argument("--first", type=int, default=1, help="seed of the first cell of each kind")
@@ -185,7 +221,7 @@ def main():
     kinds = known_kinds(programs, options.kinds)
     table = collections.defaultdict(collections.Counter)
     for i in range(options.recordings):
-        cell_number, order = i // len(ORDERS), ORDERS[i % len(ORDERS)]
+        cell_number, order = i // len(ORDERS), list(ORDERS)[i % len(ORDERS)]
         kind = kinds[cell_number % len(kinds)]
         seed = options.first + cell_number // len(kinds)
         cell = Cell(programs, options.out_dir.resolve() / f"{kind}{seed}", kind, seed)

@@ -28,7 +28,7 @@ awk '/lamp[12]_mm/ && n++ < 2 { sub(/\[/, ""); sub(/,/, ""); $2 += 2; print "   
 cmp -s cell/health.yaml sound_health.yaml && fail "the place was not changed"
 "$bin/planar-doctor" -q --seal cell/health.yaml >/dev/null
 check >out.txt 2>err.txt || fail "$(cat out.txt err.txt)"
-grep -q "is not where it was: the arm strayed there" err.txt || fail "$(cat err.txt)"
+grep -q "is not where it was, by 2.00. mm: the arm strayed there" err.txt || fail "$(cat err.txt)"
 cp sound_health.yaml cell/health.yaml
 
 # A nudge of the camera by half a millimetre.

@@ -343,6 +343,7 @@ CameraCalibration calibrate_camera(const CalibrationProblem& problem,
   const ChosenModel chosen = problem.model == kAuto ? choose_model(distinct, rejected, models)
                                                     : ChosenModel{problem.model};
   result.model = chosen.name;
+  result.is_auto = problem.model == kAuto;
   const Calibrator calibrator(distinct, model_named(result.model, models), rejected);
   result.camera = calibrator.lens().camera;
   result.width_px = problem.width_px;

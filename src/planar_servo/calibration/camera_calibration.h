@@ -44,7 +44,8 @@ struct RejectedView {
 
 struct CameraCalibration {
   CameraModel camera;
-  std::string model;  ///< the name asked for, or the one that `auto` chose
+  std::string model;    ///< the name asked for, or the one that `auto` chose
+  bool is_auto{false};  ///< whether it did
   int width_px{0};
   int height_px{0};
   double rms_px{0.0};  ///< root of the mean square distance over all points used

@@ -192,7 +192,8 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
                    "end what keeps the processors busy, or lower camera.frame_rate_hz");
   if (rate_hz < kLeastRateShare * camera.frame_rate_hz)
     return finding(Verdict::kDoubtful,
-                   fmt::format("set camera.frame_rate_hz to at most {:.3g}; the file has {:.4g}",
+                   fmt::format("end what keeps camera and processors busy, or set "
+                               "camera.frame_rate_hz to at most {:.3g}; the file has {:.4g}",
                                rate_hz, camera.frame_rate_hz));
   return finding(Verdict::kWell, "");
 }

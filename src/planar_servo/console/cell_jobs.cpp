@@ -94,6 +94,7 @@ int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         ServoRequest wanted = request_for_targets(stop, out);
         wanted.resume = resume;
+        const FrameCounts before = devices.camera().counts();
         ServoRun run(wanted, devices, watch());
         for (const TargetRow& goal : goals) run.require_same(goal);
         begun(0, goals.size());
@@ -103,7 +104,8 @@ int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
           show_progress(done, all);
           tell_result(result_answer(run.results().back()));
         });
-        const ServoFigures figures = conclude_run(wanted, run, devices.camera().counts(), table);
+        const ServoFigures figures =
+            conclude_run(wanted, run, devices.camera().counts() - before, table);
         hold(run.ended_by().value_or(""));
         return {reached_words(figures), figures.reached == figures.targets && !run.ended_by()};
       });

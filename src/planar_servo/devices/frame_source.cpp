@@ -25,6 +25,11 @@ const char* name(FrameStatus status) {
   throw std::invalid_argument("unknown FrameStatus");
 }
 
+FrameCounts operator-(const FrameCounts& now, const FrameCounts& before) {
+  return {now.complete - before.complete, now.incomplete - before.incomplete,
+          now.frozen - before.frozen, now.reopened - before.reopened};
+}
+
 std::string describe(const FrameCounts& counts) {
   return fmt::format(
       "{} whole frames; left out: {} with parts missing, {} repeated; the camera was lost and "

@@ -41,6 +41,9 @@ struct FrameCounts {
   std::uint64_t reopened{0};    ///< how often the camera came back after it was lost
 };
 
+/// Returns what was counted since `before`.
+FrameCounts operator-(const FrameCounts& now, const FrameCounts& before);
+
 /// Writes the counts as a sentence: "412 whole frames; left out: 3 with parts missing, 2 repeated;
 /// the camera was lost and found 1 time".
 std::string describe(const FrameCounts& counts);

@@ -69,8 +69,8 @@ std::string origin_text(const std::filesystem::path& file) {
 Finding examine_file(const MadeFile& file, bool is_stale) {
   const std::string name = file.path.filename().string();
   if (!std::filesystem::exists(file.path))
-    return {Verdict::kDoubtful, name, "does not exist yet",
-            fmt::format("make it with {}", program_for(file.role))};
+    return {Verdict::kWell, name,
+            fmt::format("does not exist yet; {} makes it", program_for(file.role))};
   return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
 }
 

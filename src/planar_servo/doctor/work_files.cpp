@@ -131,6 +131,10 @@ std::size_t WorkFiles::unrecorded(const fs::path& plan) const {
 bool WorkFiles::is_run_of_now(const fs::path& run) const {
   const fs::path results = run / "results.csv";
   if (!fs::exists(run / "run.yaml") || !fs::exists(results)) return false;
+  const std::string about = read_file(run / "run.yaml");
+  const bool by_truth = about.find("_truth:") != about.npos;  // only a virtual cell has one
+  if (about.find("error_map_used: false") != about.npos || by_truth != cell_.truth.has_value())
+    return false;
   std::vector<MadeFile> files = calibration_files(cell_, true);
   if (cell_.arm_found) files.push_back({Role::kArmFound, *cell_.arm_found});
   return contradictions({{Role::kPairs, results}}, origins_in(cell_, files), values_of(kRoles))

@@ -21,6 +21,9 @@
 namespace planar {
 namespace {
 
+constexpr char kTable[] =
+    "planar-jog takes one by --teach; planar-console takes targets.csv once it is in order";
+
 namespace fs = std::filesystem;
 
 constexpr std::size_t kAnyWords = std::numeric_limits<std::size_t>::max();
@@ -207,9 +210,7 @@ std::string JogConsole::move_y(const Words& words) {
 }
 
 std::string JogConsole::go(const Words& words) {
-  if (!taught_)
-    throw InputError(
-        Refusal{"there is no table of taught places", "start planar-jog with --teach targets.csv"});
+  if (!taught_) throw InputError(Refusal{"there is no table of taught places", kTable});
   const TargetRow& target = taught_->at(fmt::format("{}", fmt::join(words, " ")));
   const std::string by = arm_.go_to(target);
   return fmt::format("moved to {}, {}, {}: joints {} deg", target.id, place_mm(target.p_d), by,
@@ -268,9 +269,7 @@ std::string JogConsole::expose(const Words& words) {
 }
 
 std::string JogConsole::teach(const Words& words) {
-  if (!taught_)
-    throw InputError(
-        Refusal{"there is no table to teach", "start planar-jog with --teach targets.csv"});
+  if (!taught_) throw InputError(Refusal{"there is no table to teach", kTable});
   if (const std::string unknown = arm_.how_to_home(); !unknown.empty())
     throw InputError(Refusal{"drives do not know where they stand", unknown});
   const TipPose commanded = arm_.tip();

@@ -205,7 +205,7 @@ void judge_left_out(const CameraCalibration& found, Verdict& verdict) {
          "take more views, tilted in different directions, or a simpler --model"});
 }
 
-void judge_image(const ImageCoverage& coverage, Verdict& verdict) {
+void judge_image(const CameraCalibration& found, const ImageCoverage& coverage, Verdict& verdict) {
   const std::vector<std::string> corners = coverage.empty_corners();
   if (!corners.empty())
     verdict.faults.push_back(
@@ -214,13 +214,18 @@ void judge_image(const ImageCoverage& coverage, Verdict& verdict) {
                      corners.size() == 1 ? "was" : "were", fmt::join(corners, ", ")),
          "hold the board into these corners for two or three more views each, unless the lamps "
          "never come there"});
-  if (coverage.is_systematic())
-    verdict.faults.push_back(
-        {fmt::format("the residuals are mostly systematic, not noise: neighbouring points have {} "
-                     "of their mean square in common, chance makes {} of it",
-                     per_cent(coverage.systematic), per_cent(coverage.by_chance)),
-         "calibrate with --model auto; if it stays so, check whether the board is flat, and judge "
-         "the cell by its error map, which takes up what the lens model leaves"});
+  if (!coverage.is_systematic()) return;
+  const std::string what = fmt::format(
+      "the residuals are mostly systematic, not noise: neighbouring points have {} of their mean "
+      "square in common, chance makes {} of it",
+      per_cent(coverage.systematic), per_cent(coverage.by_chance));
+  if (found.is_auto)
+    verdict.found = fmt::format(
+        "No model fits this lens better: {}. The error map takes up what the model leaves; a board "
+        "that is not flat looks the same",
+        what);
+  else
+    verdict.faults.push_back({what, "calibrate with --model auto"});
 }
 
 /// Lists what was found with what only the page shows.
@@ -363,7 +368,7 @@ Verdict camera_verdict(const CameraCalibration& found) {
   judge_views(found, verdict);
   judge_left_out(found, verdict);
   const ImageCoverage coverage = coverage_of(found);
-  judge_image(coverage, verdict);
+  judge_image(found, coverage, verdict);
   if (verdict.faults.empty())
     verdict.good = fmt::format(
         "{} views agree to {:.3f} px, views left out of the fit to {:.3f} px, {} of their square "

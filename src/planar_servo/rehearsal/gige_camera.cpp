@@ -82,10 +82,10 @@ GigeCamera::GigeCamera(const std::string& address, const std::string& serial,
   const bool can_run = is_free(address);
   if (can_run) impl_->server = arv_gv_fake_camera_new(address.c_str(), serial.c_str());
   if (!can_run || !arv_gv_fake_camera_is_running(impl_->server))
-    throw WorkError(
-        fmt::format("{}: no GigE camera can be served at this address; it is not an address of "
-                    "this machine, or another camera has its port {}",
-                    address, kControlPort));
+    throw WorkError(fmt::format(
+        "{0}: no GigE camera can be served at this address; no interface of this machine "
+        "has it (sudo ip address add {0}/8 dev lo), or another camera has its port {1}",
+        address, kControlPort));
   show_on(arv_gv_fake_camera_get_fake_camera(impl_->server), impl_->exposure, sensor_px,
           frame_rate_hz);
 }
