@@ -15,9 +15,10 @@ from pathlib import Path
 
 from cell_folder import make_cell
 import faults
+import input_faults
 import lab_faults
 
-ALL = faults.ALL + lab_faults.ALL
+ALL = faults.ALL + lab_faults.ALL + input_faults.ALL
 KINDS = ("named", "misnamed", "noticed", "silent")
 SILENT_COST_MM = 0.05
 

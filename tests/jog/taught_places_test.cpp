@@ -93,7 +93,7 @@ TEST_CASE("Before enabling and without a table a way is refused by what leads on
   bench.done("teach a");
   CHECK_THAT(bench.refused("go a"), Contains("enable them first"));
   JogConsole without(bench.cell, *bench.devices, "");
-  CHECK_THAT(without.execute("go a").text, Contains("start planar-jog with --teach targets.csv"));
+  CHECK_THAT(without.execute("go a").text, Contains("planar-jog takes one by --teach"));
 }
 
 TEST_CASE("The way to a taught place can be stopped, and is gone to its end by the next command") {

@@ -184,7 +184,7 @@ const std::vector<Suspect>& suspects() {
       {Cause::kCameraTurned, {kTurnOff}, kDegrees, kDegree},
       {Cause::kCameraCloser, {kGrowthOff}, "%", kPercent},
       {Cause::kCameraTilted,
-       {kTiltOff, kTiltOff + 1, kShiftOff, kShiftOff + 1},
+       {kShiftOff, kShiftOff + 1, kTiltOff, kTiltOff + 1},
        kMillimetres,
        kMillimetre},
       {Cause::kLamp1Moved, {kLampOff, kLampOff + 1}, kMillimetres, kMillimetre},
@@ -199,14 +199,6 @@ const std::vector<Suspect>& suspects() {
       {Cause::kLink1, {kLinkOff}, kMillimetres, kMillimetre},
       {Cause::kLink2, {kLinkOff + 1}, kMillimetres, kMillimetre}};
   return all;
-}
-
-bool contains(const Suspect& a, const Suspect& b) {
-  const auto& [less, more] = std::minmax(
-      a.numbers, b.numbers, [](const auto& x, const auto& y) { return x.size() < y.size(); });
-  return std::all_of(less.begin(), less.end(), [&more = more](int number) {
-    return std::find(more.begin(), more.end(), number) != more.end();
-  });
 }
 
 HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, const Numbers& off,

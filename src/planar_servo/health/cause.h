@@ -124,9 +124,6 @@ struct Suspect {
 constexpr double kAsLikely = 6.0;
 constexpr double kLittleLeft = 0.02;
 
-/// Returns whether one of two suspects frees all numbers of the other, and so always fits as well.
-bool contains(const Suspect& a, const Suspect& b);
-
 /// Returns all causes that make numbers differ.
 const std::vector<Suspect>& suspects();
 
