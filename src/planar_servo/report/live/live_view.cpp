@@ -2,89 +2,72 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <visp3/core/vpImage.h>
 
-#include <condition_variable>
-#include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <thread>
 #include <utility>
 
 #include "planar_servo/core/error.h"
 
 namespace planar {
+namespace {
 
-struct LiveView::Impl {
-  explicit Impl(std::filesystem::path picture)
-      : file(std::move(picture)), thread([this] { run(); }) {}
+void save(const vpImage<vpRGBa>& picture, const std::filesystem::path& file) {
+  std::filesystem::path fresh = file;
+  fresh.replace_extension(".new.png");
+  const cv::Mat rgba(static_cast<int>(picture.getHeight()), static_cast<int>(picture.getWidth()),
+                     CV_8UC4, picture.bitmap);
+  cv::Mat bgr;
+  cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
+  if (!cv::imwrite(fresh.string(), bgr))
+    throw WorkError(fmt::format("{}: cannot be written", fresh.string()));
+  std::filesystem::rename(fresh, file);
+}
 
-  void run() {
-    try {
-      draw_views();
-    } catch (const std::exception& e) {
-      failure = e.what();
-    }
-  }
-
-  void draw_views() {
-    vpImage<vpRGBa> picture(kViewHeight, kViewWidth);
-    while (const ViewPlot draw = wait_for_plot()) {
-      draw(picture);
-      save(picture);
-    }
-  }
-
-  /// Waits for the next view; empty when there will be none.
-  ViewPlot wait_for_plot() {
-    std::unique_lock<std::mutex> lock(mutex);
-    changed.wait(lock, [&] { return newest || closing; });
-    return std::exchange(newest, nullptr);
-  }
-
-  void save(const vpImage<vpRGBa>& picture) const {
-    std::filesystem::path fresh = file;
-    fresh.replace_extension(".new.png");
-    const cv::Mat rgba(static_cast<int>(picture.getHeight()), static_cast<int>(picture.getWidth()),
-                       CV_8UC4, picture.bitmap);
-    cv::Mat bgr;
-    cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
-    if (!cv::imwrite(fresh.string(), bgr))
-      throw WorkError(fmt::format("{}: cannot be written", fresh.string()));
-    std::filesystem::rename(fresh, file);
-  }
-
-  std::filesystem::path file;
-  std::mutex mutex;
-  std::condition_variable changed;
-  ViewPlot newest;
-  bool closing{false};
-  std::optional<std::string> failure;  ///< read only after the thread has ended
-  std::thread thread;                  ///< declared last, because it uses all other members
-};
+}  // namespace
 
 LiveView::LiveView(std::filesystem::path picture)
-    : impl_(std::make_unique<Impl>(std::move(picture))) {}
+    : file_(std::move(picture)), thread_([this] { draw_views(); }) {}
 
 LiveView::~LiveView() {
   close();
 }
 
+void LiveView::draw_views() {
+  try {
+    vpImage<vpRGBa> picture(kViewHeight, kViewWidth);
+    while (const ViewPlot draw = wait_for_plot()) {
+      draw(picture);
+      save(picture, file_);
+    }
+  } catch (const std::exception& e) {
+    failure_ = e.what();
+  }
+}
+
+ViewPlot LiveView::wait_for_plot() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [&] { return newest_ || closing_; });
+  return std::exchange(newest_, nullptr);
+}
+
 void LiveView::show(ViewPlot plot) {
   {
-    const std::lock_guard<std::mutex> lock(impl_->mutex);
-    impl_->newest = std::move(plot);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    newest_ = std::move(plot);
   }
-  impl_->changed.notify_one();
+  changed_.notify_one();
 }
 
 std::optional<std::string> LiveView::close() {
   {
-    const std::lock_guard<std::mutex> lock(impl_->mutex);
-    impl_->closing = true;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closing_ = true;
   }
-  impl_->changed.notify_one();
-  if (impl_->thread.joinable()) impl_->thread.join();
-  return impl_->failure;
+  changed_.notify_one();
+  if (thread_.joinable()) thread_.join();
+  return failure_;
 }
 
 std::unique_ptr<LiveView> open_display(DisplayPolicy policy, const std::filesystem::path& picture) {

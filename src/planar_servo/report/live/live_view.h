@@ -1,10 +1,13 @@
 #pragma once
 
+#include <condition_variable>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "planar_servo/core/names.h"
 
@@ -38,8 +41,17 @@ class LiveView {
   std::optional<std::string> close();
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void draw_views();
+  /// Waits for the next view; empty when there will be none.
+  ViewPlot wait_for_plot();
+
+  std::filesystem::path file_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  ViewPlot newest_;
+  bool closing_{false};
+  std::optional<std::string> failure_;  ///< read only after the thread has ended
+  std::thread thread_;                  ///< declared last, because it uses all other members
 };
 
 /// Says what `--display` asks for.
