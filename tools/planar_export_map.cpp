@@ -12,7 +12,7 @@ namespace {
 
 const ProgramText kText{
     "planar-export-map",
-    "planar-export-map --format grid-csv|numpy|opencv-remap|tinshift|kmotion [--phi-deg PHI]\n"
+    "planar-export-map --format grid-csv|numpy|opencv-remap|tinshift [--phi-deg PHI]\n"
     "                         [--step-mm S] [--cell cell.yaml] -o FILE map.yaml",
     R"(map                 gaussian_rbf
 format              grid-csv

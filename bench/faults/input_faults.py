@@ -172,10 +172,10 @@ CAMERAS = [
                                                    "do_rectify: false}\n"), r"roi|region"),
         ("a camera matrix with skew", at(1, 40.0), r"skew"),
         ("a centre beyond the picture's middle", at(2, 4900.0), r"camera.yaml.*(centre|principal|middle)"),
-        ("a camera file of pictures half as large", halved, r"camera.yaml|camera file"),
+        ("a camera file of pictures half as large", halved, r"camera file|centre is far|closer"),
         ("plumb_bob with eight coefficients", changed(D=[0.0] * 8), r"plumb_bob|rational"),
         ("a projection matrix of another scale", scaled_projection, r"projection"),
-        ("a camera file of another size", changed(size=(2560, 2560)), r"2560 x 2560|camera.yaml"),
+        ("a camera file of another size", changed(size=(2560, 2560)), r"2560 x 2560|different sizes"),
     )]
 
 

@@ -133,7 +133,7 @@ CELL = [
     *(toured(f"drop of {px} px on the window", drop(3055, 2560, 200, px, 0), r"drop") for px in (8, 2, 0.6, 0.3)),
     *(Fault(f"drop of {px} px on the window above the last target alone", drop(3055, 2560, 200, px, 0), r"drop",
             last_alone) for px in (8, 2, 0.6)),
-    *(toured(f"finger print of {px} px on the window", drop(2000, 3300, 500, px, -0.7 * px), rf"drop|{CAMERA}")
+    *(toured(f"finger print of {px} px on the window", drop(2000, 3300, 500, px, -0.7 * px), rf"drop|view has changed|{CAMERA}")
       for px in (0.4, 1.5)),
     toured("hot air of 1 px below the camera",
            added_to("camera", "air: {sigma_px: 1, time_s: 1, length_px: 1250}"), r"\bair\b|uncertain"),

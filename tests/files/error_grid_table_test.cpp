@@ -130,38 +130,6 @@ TEST_CASE("PROJ's triangles are those whose corners are all valid, wound alike")
   CHECK(file["triangles"][1] == nlohmann::json({0, 4, 3}));
 }
 
-/// Reads a table as KMotion's source does: GCodeInterpreter/Kinematics.cpp of KMotionX.
-struct KmotionTable {
-  explicit KmotionTable(const std::filesystem::path& path) {
-    std::FILE* file = std::fopen(path.c_str(), "rt");
-    REQUIRE(std::fscanf(file, "%d,%d", &rows, &columns) == 2);
-    REQUIRE(std::fscanf(file, "%lf,%lf", &spacing[0], &spacing[1]) == 2);
-    REQUIRE(std::fscanf(file, "%lf,%lf", &offset[0], &offset[1]) == 2);
-    nodes.resize(2, static_cast<Eigen::Index>(rows) * columns);
-    for (Eigen::Index i = 0; i < nodes.cols(); ++i) {
-      int row = 0, column = 0;
-      double x = 0.0, y = 0.0, z = 0.0;
-      REQUIRE(std::fscanf(file, "%d,%d,%lf,%lf,%lf", &row, &column, &x, &y, &z) == 5);
-      nodes.col(row * columns + column) << x, y;
-    }
-    std::fclose(file);
-  }
-  int rows{0}, columns{0};
-  double spacing[2]{}, offset[2]{};
-  Eigen::Matrix2Xd nodes;
-};
-
-TEST_CASE("KMotion's table has in inches what to command, and our line of the format behind it") {
-  const test::TemporaryFolder folder;
-  const std::string text = grid_text(GridFormat::kKmotion, small_grid(), kRemarks);
-  const KmotionTable table(folder.write("geo.txt", text));
-  CHECK(table.rows == 2);
-  CHECK(table.spacing[0] == Approx(10.0 / 25.4));
-  CHECK(table.offset[1] == Approx(20.0 / 25.4));
-  CHECK(table.nodes(1, 4) == Approx(30.030 / 25.4));
-  CHECK_THAT(text, Catch::EndsWith("\n# format: planar-servo/error_grid/1\n"));
-}
-
 TEST_CASE("Each format is recognised as ours, however long its file, and others are not") {
   const test::TemporaryFolder folder;
   ErrorGrid large = small_grid();

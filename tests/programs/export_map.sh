@@ -9,13 +9,12 @@ made_up_pairs >pairs.csv
 
 export_map() { "$bin/planar-export-map" "$@"; }
 export_map --format grid-csv -o grid.csv map.yaml --json figures.json >exported.txt
-for format in numpy opencv-remap tinshift kmotion; do
+for format in numpy opencv-remap tinshift; do
   export_map --format $format -o "grid.$format" map.yaml >"$format.txt"
   grep -q "^interpolation .* [0-9]\.[0-9] % of the deviation there at most" "$format.txt" || fail "$(cat "$format.txt")"
 done
 export_map --format numpy -o grid.numpy map.yaml >again.txt || fail "an earlier grid cannot be written anew"
-grep -q "^not in the file *deviations and the valid region" kmotion.txt || fail "$(cat kmotion.txt)"
-grep -q "^nodes *compensated places; seen = compensated + error" kmotion.txt || fail "$(cat kmotion.txt)"
+grep -q "^nodes *compensated places; seen = compensated + error" opencv-remap.txt || fail "$(cat opencv-remap.txt)"
 sum=$(grep -v -e ^created: -e ^checksum: -e ^edited_by_hand: map.yaml | sha256sum | cut -c1-64)
 for file in grid.*; do grep -aq "$sum" "$file" || fail "$file does not say from which map it was made"; done
 
@@ -37,7 +36,7 @@ grep -q "^direction *tool at 30.0 deg" out.txt || fail "$(cat out.txt)"
 expect 2 "--format: magic not in" export_map --format magic -o made map.yaml
 expect 2 "map.yaml: is an input of this program" export_map --format numpy -o map.yaml map.yaml
 echo 2,2 >theirs.txt
-expect 2 "theirs.txt: is a file of another program or of a person" export_map --format kmotion -o theirs.txt map.yaml
+expect 2 "theirs.txt: is a file of another program or of a person" export_map --format tinshift -o theirs.txt map.yaml
 expect 2 "a step of 200 mm costs up to .* of the map's deviation there; at most 0.1 is allowed" \
   export_map --format numpy --step-mm 200 -o made map.yaml
 expect 2 "a grid of 0.01 mm over its valid region has .* nodes; at most 100000 are written" \

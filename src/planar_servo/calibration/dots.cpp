@@ -227,10 +227,12 @@ class LatticeSearch {
 
   LatticeFit run() const {
     LatticeFit best;
+    std::set<std::array<std::size_t, 2>> tried;  // most starts grow the same lattice
     for (std::size_t seed = 0; seed < points_.size(); ++seed) {
       for (const Cells& start : starts_at(seed)) {
         const Cells cells = grown(start);
         const std::size_t most_found = std::max(best.most_found, cells.size());
+        if (!tried.insert(key_of(cells)).second) continue;
         LatticeFit fit = fitted(cells);
         if (fit.indices.size() > best.indices.size()) best = std::move(fit);
         best.most_found = most_found;
@@ -342,12 +344,33 @@ class LatticeSearch {
     return cells;
   }
 
-  /// Returns the points at the form's places when the first of these is at `origin`.
-  LatticeFit under(const Cells& cells, const Cell& origin) const {
+  /// Returns the least and the largest coordinates of cells.
+  static std::array<Cell, 2> bounds_of(const Cells& cells) {
+    std::array<Cell, 2> bounds{cells.begin()->first, cells.begin()->first};
+    for (const auto& [cell, index] : cells)
+      for (const std::size_t axis : {0, 1}) {
+        bounds[0][axis] = std::min(bounds[0][axis], cell[axis]);
+        bounds[1][axis] = std::max(bounds[1][axis], cell[axis]);
+      }
+    return bounds;
+  }
+
+  /// Returns what tells lattices apart: their points, and how far they reach.
+  static std::array<std::size_t, 2> key_of(const Cells& cells) {
+    std::size_t sum = 0;
+    for (const auto& [cell, index] : cells) sum += (index + 1) * (index + 1) * (index + 1);
+    const auto [least, most] = bounds_of(cells);
+    return {sum, static_cast<std::size_t>((most[0] - least[0]) * (most[1] - least[1]))};
+  }
+
+  /// Returns the points at the form's places when the first of these is at `origin`; nothing where
+  /// one lacks, if all are needed.
+  LatticeFit under(const Cells& cells, const Cell& origin, bool all) const {
     LatticeFit fit;
     for (std::size_t i = 0; i < form_.places.size(); ++i) {
       const Eigen::Vector2i& place = form_.places[i];
       const auto found = cells.find(origin + Cell{place.x(), place.y()});
+      if (found == cells.end() && all) return {};
       if (found == cells.end()) continue;
       fit.indices.push_back(found->second);
       fit.places.push_back(i);
@@ -371,21 +394,16 @@ class LatticeSearch {
   /// just as far as the form in every direction and all lie on it.
   LatticeFit placed(const Cells& cells) const {
     LatticeFit whole;
-    Cell least = cells.begin()->first, most = least;
     for (const auto& [cell, index] : cells) {
-      LatticeFit fit = under(cells, cell);
-      if (fit.indices.size() == form_.places.size()) {
-        if (!whole.indices.empty()) return {};
-        whole = std::move(fit);
-      }
-      for (const std::size_t axis : {0, 1}) {
-        least[axis] = std::min(least[axis], cell[axis]);
-        most[axis] = std::max(most[axis], cell[axis]);
-      }
+      LatticeFit fit = under(cells, cell, true);
+      if (fit.indices.empty()) continue;
+      if (!whole.indices.empty()) return {};
+      whole = std::move(fit);
     }
     if (!whole.indices.empty()) return whole;
+    const auto [least, most] = bounds_of(cells);
     if (most[0] - least[0] != extent_.x() || most[1] - least[1] != extent_.y()) return {};
-    LatticeFit part = under(cells, least);
+    LatticeFit part = under(cells, least, false);
     return part.indices.size() == cells.size() ? part : LatticeFit{};
   }
 

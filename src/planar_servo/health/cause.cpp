@@ -77,8 +77,9 @@ constexpr Advice kAdvice[] = {
     {Cause::kNotVisited, "the arm cannot go where the check needs it", kAllFiles,
      "correct `arm` and `workspace` in the cell file, bring the arm into its workspace with "
      "planar-jog, or move without the check (--no-health)"},
-    {Cause::kSeparation, "a lamp has moved on the tool, or the cell file has another separation",
-     kAllFiles, "fasten the lamp and calibrate the tool again, or correct `lamps.separation_mm`"},
+    {Cause::kSeparation,
+     "a lamp, the cell file's separation or the camera file is not that of this cell", kAllFiles,
+     "fasten the lamp, correct `lamps.separation_mm`, or name this camera's own file"},
     {Cause::kNotSeen, "the lamps are not seen", kAllFiles,
      "check that both lamps are lit, in view of the camera and in focus"},
     {Cause::kBackground, "there is light from elsewhere", kAllFiles,

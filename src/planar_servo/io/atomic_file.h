@@ -11,7 +11,7 @@ namespace planar {
 
 /// Returns KIND of the line `format: planar-servo/KIND/1` among the first four or as the last;
 /// empty for a text without it, which is not ours. Tables have the line behind a '#', pages and
-/// figures in a comment, JSON as a key, PDF and KMotion's tables at their end, NumPy's arrays in
+/// figures in a comment, JSON as a key, PDF at its end, NumPy's arrays in
 /// their head. Pictures have none: they are of the kind `image`.
 std::string_view kind_of_text(std::string_view text);
 

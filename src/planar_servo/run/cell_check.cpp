@@ -226,7 +226,7 @@ std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) 
   constexpr int kRounds = 2;  // two stops in a row stray once in some thousand times
   for (int round = 0; round < kRounds && has_changed(model_, revisits); ++round) {
     if (auto finding = visit_again(visited_places, revisits)) return {*finding};
-    if (auto finding = judge_odd_place(visited_places, revisits)) return {*finding};
+    if (auto found = judge_odd_place(visited_places, revisits); !found.empty()) return found;
   }
   // Play that has grown displaces the arm on either side, as a lost zero would.
   std::vector<HealthFinding> play = play_now(visited_places, revisits);
@@ -260,24 +260,28 @@ std::optional<Eigen::Vector2d> CellCheck::seen_beside(const Joints& theta) {
   return seen.tip.p - expected.p;
 }
 
-std::optional<HealthFinding> CellCheck::judge_odd_place(const std::vector<HealthPlace>& places,
-                                                        std::vector<Revisit>& revisits) {
+std::vector<HealthFinding> CellCheck::judge_odd_place(const std::vector<HealthPlace>& places,
+                                                      std::vector<Revisit>& revisits) {
   const auto odd = stray_place(model_, revisits);
-  if (!odd) return std::nullopt;
+  if (!odd) return {};
   const Revisit at = revisits[*odd];
   const HealthPlace& place = places[*odd];
-  revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*odd));
   const Eigen::Vector2d moved =
       tip_from_places(at.now_B, vision_.tool).p - tip_from_places(at.then_B, vision_.tool).p;
   const double odds = odds_of_stray(place, places, moved);
   const std::string what = fmt::format(
       "only place '{}' is not where it was, by {:.3f} mm: ", place.id, mm(moved.norm()));
-  if (odds < -kTenToOne)
-    return HealthFinding{Cause::kView, mm(moved.norm()), "mm", moved.norm(),
-                         what + words(Cause::kView)};
+  if (odds < -kTenToOne) {
+    std::vector<HealthFinding> found = find_changes(model_, revisits);
+    if (found.front().cause == Cause::kSeveral) found.clear();
+    found.push_back(
+        {Cause::kView, mm(moved.norm()), "mm", moved.norm(), what + words(Cause::kView)});
+    return found;
+  }
+  revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*odd));
   spdlog::warn("{}the arm strayed there when it was recorded{}; the place is left out of the check",
                what, odds > kTenToOne ? "" : ", or the view has changed there");
-  return std::nullopt;
+  return {};
 }
 
 /// Looks at the place and at two beside it, and at the others. The arm as it was found and the

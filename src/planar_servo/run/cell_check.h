@@ -67,10 +67,10 @@ class CellCheck {
   std::optional<HealthFinding> visit_again(const std::vector<HealthPlace>& places,
                                            std::vector<Revisit>& revisits);
   /// Looks into the only place that differs, if there is one: either the arm strayed there when it
-  /// was recorded, or the view has changed there. Returns the latter as a finding; else the place
-  /// is left out, and what is not known is logged.
-  std::optional<HealthFinding> judge_odd_place(const std::vector<HealthPlace>& places,
-                                               std::vector<Revisit>& revisits);
+  /// was recorded, or the view has changed there. Returns the latter, beside a single cause that
+  /// may explain it; else the place is left out, and what is not known is logged.
+  std::vector<HealthFinding> judge_odd_place(const std::vector<HealthPlace>& places,
+                                             std::vector<Revisit>& revisits);
   /// Returns twice the logarithm of the odds that the arm strayed at `place` when it was recorded,
   /// to those that the view has changed there since, where lamps are seen `moved` (metres).
   double odds_of_stray(const HealthPlace& place, const std::vector<HealthPlace>& places,

@@ -139,37 +139,20 @@ std::string tinshift_text(const ErrorGrid& grid, const std::vector<std::string>&
                   fmt::join(vertices, ",\n"), fmt::join(triangles, ",\n")));
 }
 
-std::string kmotion_text(const ErrorGrid& grid, const std::vector<std::string>& remarks) {
-  constexpr double kInch = 25.4e-3;
-  std::string text = fmt::format("{},{}\n{:.10g},{:.10g}\n{:.10g},{:.10g}\n", grid.rows,
-                                 grid.columns, grid.step / kInch, grid.step / kInch,
-                                 grid.origin.x() / kInch, grid.origin.y() / kInch);
-  for (Eigen::Index i = 0; i < grid.nodes(); ++i) {
-    const Eigen::Vector2d seen = (grid.node(i) + grid.errors.col(i)) / kInch;
-    text += fmt::format("{},{},{:.8f},{:.8f},0\n", i / grid.columns, i % grid.columns, seen.x(),
-                        seen.y());
-  }
-  // Its reader stops behind the last node.
-  return text + fmt::format("{}\n# {}\n", fmt::join(remarks, "\n"), format_line());
-}
-
 }  // namespace
 
 GridUse use_of(GridFormat format) {
   constexpr auto kCells = GridReading::kBilinear;
   switch (format) {
     case GridFormat::kCsv:
-      return {false, kCells, kSeen, "planar-fit-error-map -o map.yaml FILE", ""};
+      return {false, kCells, kSeen, "planar-fit-error-map -o map.yaml FILE"};
     case GridFormat::kNumpy:
-      return {false, kCells, kSeen, "numpy.load('FILE')", ""};
+      return {false, kCells, kSeen, "numpy.load('FILE')"};
     case GridFormat::kOpencvRemap:
       return {true, kCells, kTrue,
-              "cv::remap(seen, compensated, map, cv::noArray(), cv::INTER_LINEAR)", ""};
+              "cv::remap(seen, compensated, map, cv::noArray(), cv::INTER_LINEAR)"};
     case GridFormat::kTinshift:
-      return {false, GridReading::kTriangles, kSeen, "cct -d 4 +proj=tinshift +file=FILE", ""};
-    case GridFormat::kKmotion:
-      return {true, kCells, kTrue, "KMotionCNC, as its Geo Correction Table",
-              "deviations and the valid region; lengths are in inches"};
+      return {false, GridReading::kTriangles, kSeen, "cct -d 4 +proj=tinshift +file=FILE"};
   }
   throw std::invalid_argument("no such format of a grid");
 }
@@ -185,8 +168,6 @@ std::string grid_text(GridFormat format, const ErrorGrid& grid,
       return remap_text(grid, remarks);
     case GridFormat::kTinshift:
       return tinshift_text(grid, remarks);
-    case GridFormat::kKmotion:
-      return kmotion_text(grid, remarks);
   }
   throw std::invalid_argument("no such format of a grid");
 }

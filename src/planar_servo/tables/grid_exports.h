@@ -14,14 +14,12 @@ enum class GridFormat {
   kNumpy,        ///< numpy.load(): a structured array, rows along y [NumPy Enhancement Proposal 1]
   kOpencvRemap,  ///< cv::FileStorage with the `map` of cv::remap()
   kTinshift,     ///< PROJ's +proj=tinshift: triangles in JSON [PROJ RFC 6]
-  kKmotion,      ///< the geometric correction table of KMotionCNC for KFLOP and Kogna boards
 };
 
 constexpr Named<GridFormat> kGridFormats[] = {{GridFormat::kCsv, "grid-csv"},
                                               {GridFormat::kNumpy, "numpy"},
                                               {GridFormat::kOpencvRemap, "opencv-remap"},
-                                              {GridFormat::kTinshift, "tinshift"},
-                                              {GridFormat::kKmotion, "kmotion"}};
+                                              {GridFormat::kTinshift, "tinshift"}};
 
 /// The kind of all these files; see require_writable().
 constexpr char kErrorGridKind[] = "error_grid";
@@ -32,7 +30,6 @@ struct GridUse {
   GridReading reading;    ///< of its reader
   const char* meaning;    ///< how its values are used
   const char* read_by;    ///< a call that reads it
-  const char* lacks;      ///< what of the map it cannot hold; empty where it holds all
 };
 GridUse use_of(GridFormat format);
 

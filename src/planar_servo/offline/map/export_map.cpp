@@ -172,7 +172,6 @@ ReportList exported_map_list(const ExportedMap& exported) {
                "tool at {phi_deg:.1f} deg; the error changes with it by up to "
                "{change_with_phi_mm:.4f} mm",
                exported.phi, exported.change_with_phi);
-  if (*use.lacks != '\0') list.line("not in the file", use.lacks);
   list.line("read by", use.read_by);
   return list;
 }
