@@ -118,8 +118,9 @@ void put_likeliest_first(std::vector<ChangeFit>& fits, double little) {
 }
 
 /// Returns whether a suspect's numbers are all among another's, which then always fits as well.
-bool is_within(const std::vector<int>& less, const std::vector<int>& more) {
-  return std::includes(more.begin(), more.end(), less.begin(), less.end());
+bool is_within(const Suspect& less, const Suspect& more) {
+  return std::includes(more.numbers.begin(), more.numbers.end(), less.numbers.begin(),
+                       less.numbers.end());
 }
 
 /// Returns how far a lamp seems to have moved, at most.
@@ -190,7 +191,7 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
   std::vector<HealthFinding> found{finding_of(*best.suspect, model, best.off, cost_m)};
   const auto second = std::find_if(fits.begin() + 1, fits.end(), [&](const ChangeFit& fit) {
     const bool alike = fit.suspect->numbers.size() == best.suspect->numbers.size();
-    return (fit.score < best.score + kAsLikely && !is_within(best.suspect->numbers, fit.suspect->numbers)) ||
+    return (fit.score < best.score + kAsLikely && !is_within(*best.suspect, *fit.suspect)) ||
            (alike && fit.chi2 < little);
   });
   if (second != fits.end())

@@ -181,7 +181,7 @@ class PlanarRobot {
   DriveGroup& drives_;
   Clock& clock_;
   std::function<bool()> stop_;
-  std::array<std::optional<std::int32_t>, 3> commanded_pulses_;  ///< a motor's is empty while unknown
+  std::array<std::optional<std::int32_t>, 3> commanded_pulses_;  ///< empty while unknown
   VelocityMove turning_;  ///< the last one, under velocity control
   bool velocity_control_{false};
   Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
