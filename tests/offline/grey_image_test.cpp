@@ -83,7 +83,7 @@ std::string encoded(const cv::Mat& image, const std::string& extension) {
 /// A JPEG with an EXIF segment behind its first two bytes, in which a thumbnail may stand.
 std::string tagged(std::string jpeg, char orientation, const std::string& thumbnail = "") {
   std::string exif("\xff\xe1--Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0-\0\0\0\0\0\0",
-                   38);
+                   36);
   exif[29] = orientation;
   exif += thumbnail;
   exif[2] = static_cast<char>((exif.size() - 2) / 256);

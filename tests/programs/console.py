@@ -4,6 +4,7 @@ import contextlib
 import http.client
 import json
 import math
+import os
 import pathlib
 import re
 import signal
@@ -18,7 +19,7 @@ from served_console import ServedConsole
 
 PROGRAM, FOLDER = sys.argv[1:]
 ONE, OTHER = "1111111111111111", "2222222222222222"
-LATE_ORDERS = 20
+LATE_ORDERS = int(os.environ.get("LATE_ORDERS", "20"))
 PATIENCE_S = 60
 
 
@@ -363,7 +364,7 @@ def try_late_orders(console):
         said = {"X_Planar_Stops": str(known) if i % 2 else ""}
         order = threading.Thread(target=lambda: console.post("/api/go", {"x_mm": 330, "y_mm": -250 + 5 * (i % 3)}, **said))
         order.start()
-        time.sleep(0.0015 * i)
+        time.sleep(0.0015 * (i % 20))
         check(console.post("/api/stop")[0] == 200, "no stop")
         order.join()
         console.rests()
