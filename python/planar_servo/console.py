@@ -14,6 +14,7 @@ does not answer.
 from __future__ import annotations
 
 import json
+import math
 import os
 import secrets
 import ssl
@@ -26,6 +27,7 @@ from typing import Any
 
 from ._errors import InputError, WorkError
 
+_ON_ITS_WAY_S = 1.0  # longer than the console takes an unnumbered order for one from before a stop
 _PATIENCE_S = 10.0  # an idle console sends its state every second
 
 
@@ -43,7 +45,7 @@ class Console:
             )
         self._origin = f"{parts.scheme}://{parts.netloc}"
         self._tls = None if certificate is None else ssl.create_default_context(cafile=certificate)
-        self._stops: int | None = None
+        self._stops, self._stopped_s = 0, -math.inf  # the number of the own stop, and when
         self._headers = {"Authorization": f"Bearer {tokens[0]}", "X-Planar-Client": secrets.token_hex(16)}
 
     def cell(self) -> dict[str, Any]:
@@ -168,7 +170,7 @@ class Console:
 
     def stop(self) -> None:
         """Slows the arm to rest and ends what runs, whoever began it."""
-        self._stops = self._json("/api/stop", {})["stops"]
+        self._stops, self._stopped_s = self._json("/api/stop", {})["stops"], time.monotonic()
 
     def take_over(self) -> None:
         """Makes this client the one that moves the cell; what moves is stopped first."""
@@ -208,8 +210,8 @@ class Console:
         headers = dict(self._headers)
         if body is not None:
             headers["Content-Type"] = "application/json"
-            if self._stops is not None:  # what is ordered next was not on its way before the own stop
-                headers["X-Planar-Stops"], self._stops = str(self._stops), None
+            if time.monotonic() < self._stopped_s + _ON_ITS_WAY_S:  # not ordered before the own stop
+                headers["X-Planar-Stops"] = str(self._stops)
         request = urllib.request.Request(self._origin + path, data, headers)
         try:
             return urllib.request.urlopen(request, timeout=patience_s, context=self._tls)
