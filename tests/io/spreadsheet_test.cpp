@@ -45,6 +45,10 @@ TEST_CASE("What is no table in text is named by its kind") {
   CHECK_THROWS_WITH(Saved("# format: planar-servo/pairs/1,,\nid,x_mm\n"), Contains("pairs"));
 }
 
+TEST_CASE("A table with tabs whose first column is called as a code of a program is no program") {
+  CHECK(Saved("M1\tid\tx_mm\n7\tA\t200.5\n").numbers() == std::vector<double>{200.5});
+}
+
 TEST_CASE("What only looks like a number is named, and commas in numbers are told from columns") {
   CHECK_THROWS_WITH(Saved("id,x_mm\nA,\xE2\x88\x92"
                           "200\n")

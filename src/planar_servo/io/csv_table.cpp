@@ -48,9 +48,9 @@ std::optional<Refusal> other_kind(std::string_view line) {
   if (starts_with(line, "PK\x03\x04")) return Refusal{"is a workbook (.xlsx or .ods)", kAsText};
   if (starts_with(line, "\xD0\xCF\x11\xE0")) return Refusal{"is a workbook (.xls)", kAsText};
   line = trimmed(line);
-  if (line == "%" ||
-      (line.size() > 1 && line.find(',') == line.npos && std::strchr("GMNO", line[0]) != nullptr &&
-       std::isdigit(static_cast<unsigned char>(line[1])) != 0))
+  if (line == "%" || (line.size() > 1 && line.find_first_of(",\t") == line.npos &&
+                      std::strchr("GMNO", line[0]) != nullptr &&
+                      std::isdigit(static_cast<unsigned char>(line[1])) != 0))
     return Refusal{"is G-code", kOwnTable};
   if (line == "0" || starts_with(line, "AutoCAD Binary DXF"))
     return Refusal{"is a drawing (DXF)", kOwnTable};
