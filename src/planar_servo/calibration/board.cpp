@@ -105,24 +105,21 @@ BoardSight find_dot_grid(const cv::Mat& image, const Board& board, BoardPart par
   const std::size_t all = board.points();
   const std::size_t least = part == BoardPart::kWhole ? all : (all + 1) / 2;
   const std::string wanted = fmt::format("grid of {} x {} dots", board.columns, board.rows);
-  const bool is_other = rough.dots.size() < all && rough.most_found > all;
+  const auto refused = [&](const std::string& reason) {
+    return BoardSight{{}, {}, {}, reason, rough.most_found};
+  };
+  if (rough.dots.empty() || (rough.dots.size() < all && rough.most_found > all))
+    return refused(
+        fmt::format("no {} found ({} dots in the largest lattice)", wanted, rough.most_found));
+  if (rough.dots.size() < least)
+    return refused(fmt::format("no whole {}: {} dots seen, the others are covered or blurred",
+                               wanted, rough.dots.size()));
   BoardSight sight = measured_dots(image, rough, rough.dots.size() == all);
-  if (!rough.dots.empty() && !is_other && sight.pixels.size() >= least) {
-    if (sight.pixels.size() == all) sight.seen.clear();
-    return sight;
-  }
-  BoardSight none;
-  none.dots_in_a_grid = rough.most_found;
-  if (rough.dots.empty() || is_other)
-    none.reason =
-        fmt::format("no {} found ({} dots in the largest lattice)", wanted, rough.most_found);
-  else if (rough.dots.size() < least)
-    none.reason = fmt::format("no whole {}: {} dots seen, the others are covered or blurred",
-                              wanted, rough.dots.size());
-  else
-    none.reason = fmt::format("{} dots of the {} have no clear outline",
-                              rough.dots.size() - sight.pixels.size(), wanted);
-  return none;
+  if (sight.pixels.size() < least)
+    return refused(fmt::format("{} dots of the {} have no clear outline",
+                               rough.dots.size() - sight.pixels.size(), wanted));
+  if (sight.pixels.size() == all) sight.seen.clear();
+  return sight;
 }
 
 /// Longest side of the image that is searched for a chessboard, or for any board at a glance.
