@@ -92,8 +92,9 @@ TEST_CASE("NumPy's format has its header before aligned rows of 41 bytes") {
   CHECK_THAT(text.substr(10, data - 10), Contains("'shape': (2, 3)") &&
                                              Contains("(('format: planar-servo/error_grid/1") &&
                                              Contains("it_s _map_.yaml', 'x_mm'), '<f8')"));
-  REQUIRE(text.size() == data + 6 * 41);
-  const std::size_t fifth = data + 4 * 41;
+  constexpr std::size_t kRow = 41;
+  REQUIRE(text.size() == data + 6 * kRow);
+  const std::size_t fifth = data + 4 * kRow;
   CHECK(number_at<double>(text, fifth) == Approx(0.0).margin(1e-12));
   CHECK(number_at<double>(text, fifth + 8) == Approx(30.0));
   CHECK(number_at<double>(text, fifth + 24) == Approx(0.030));
@@ -145,7 +146,8 @@ TEST_CASE("Each format is recognised as ours, however long its file, and others 
       CHECK_NOTHROW(require_writable(folder.write("file", text), kErrorGridKind));
     }
   }
-  const std::string theirs = std::string("\x93NUMPY\x01\x00", 8) + "v\0{'descr': '<f8'}\n12345678";
+  const std::string theirs =
+      std::string("\x93NUMPY\x01\x00v\x00", 10) + "{'descr': '<f8'}\n12345678";
   CHECK_THROWS_WITH(require_writable(folder.write("file", theirs), kErrorGridKind),
                     Contains("is a file of another program"));
   CHECK_THROWS_WITH(require_writable(folder.write("file", "2,2\n1,1\n0,0\n"), kErrorGridKind),

@@ -218,7 +218,7 @@ std::vector<Eigen::Vector2d> board_points(const Board& board) {
 }
 
 std::vector<Eigen::Vector2d> seen_points(const Board& board, const BoardSight& sight) {
-  const std::vector<Eigen::Vector2d> all = board_points(board);
+  std::vector<Eigen::Vector2d> all = board_points(board);
   if (sight.seen.empty()) return all;
   std::vector<Eigen::Vector2d> seen;
   for (const std::size_t i : sight.seen) seen.push_back(all[i]);
