@@ -107,17 +107,5 @@ TEST_CASE("The way to a taught place can be stopped, and is gone to its end by t
   CHECK(bench.taught->execute("go far").done);
 }
 
-TEST_CASE("What may be typed is completed: commands, and taught places after go") {
-  TaughtBench bench;
-  using Names = std::vector<std::string>;
-  CHECK(bench.taught->completions("te") == Names{"teach"});
-  CHECK(bench.taught->completions("h") == Names{"home", "help"});
-  CHECK(bench.taught->completions("go ") ==
-        Names{"go near", "go far", "go point 1", "go out", "go inside"});
-  CHECK(bench.taught->completions("go f") == Names{"go far"});
-  CHECK(bench.taught->completions("joint 1").empty());
-  CHECK(JogBench().console.completions("go ").empty());
-}
-
 }  // namespace
 }  // namespace planar

@@ -32,15 +32,7 @@ StatusLine::StatusLine()
 
 void StatusLine::show(const std::string& text) {
   if (!shown_) return;
-  const std::size_t width = terminal_width() - 1;
-  std::istringstream lines(visible(text));
-  std::string drawn;
-  int below = -1;  // the first one
-  for (std::string line; std::getline(lines, line); ++below)
-    drawn += (below < 0 ? "\r" : "\n") + line.substr(0, width) + kEraseLine;
-  drawn += kEraseBelow;
-  if (below > 0) drawn += fmt::format("\033[{}A", below);
-  fmt::print(stderr, "{}\r", drawn);
+  fmt::print(stderr, "\r{}{}\r", visible(text).substr(0, terminal_width() - 1), kEraseLine);
   drawn_ = true;
 }
 

@@ -7,8 +7,8 @@
 
 namespace planar {
 
-/// One line on standard error, or a few, rewritten in place on a terminal, unless the log is quiet;
-/// otherwise nothing is written. It is wiped away at the end.
+/// One line on standard error, rewritten in place on a terminal, unless the log is quiet; otherwise
+/// nothing is written. It is wiped away at the end.
 class StatusLine {
  public:
   StatusLine();
@@ -17,7 +17,7 @@ class StatusLine {
   StatusLine& operator=(const StatusLine&) = delete;
 
   bool is_shown() const { return shown_; }
-  /// Writes as much of each line as the terminal is wide. What others write goes over it.
+  /// Writes as much as the terminal is wide. What others write goes over it.
   void show(const std::string& text);
   /// Makes room for a message that stays.
   void wipe();

@@ -126,12 +126,6 @@ void JogArm::require_ready() {
     throw InputError(Refusal{"drives do not know where they stand", unknown});
 }
 
-std::string JogArm::to_do() {
-  if (!enabled_) return "off | enable the drives (key o)";
-  const std::string unknown = how_to_home();
-  return unknown.empty() ? unknown : "not homed | " + unknown;
-}
-
 std::string JogArm::how_to_home() {
   std::vector<std::string> to_search, ways;
   for (const int joint : robot_.unhomed()) {
@@ -144,7 +138,7 @@ std::string JogArm::how_to_home() {
       to_search.push_back(fmt::format("joint {}", joint + 1));
   }
   if (!to_search.empty())
-    ways.insert(ways.begin(), fmt::format("{}: home the arm (key h), which searches the "
+    ways.insert(ways.begin(), fmt::format("{}: home the arm, which searches the "
                                           "home switches and moves it",
                                           fmt::join(to_search, ", ")));
   return fmt::format("{}", fmt::join(ways, "; "));

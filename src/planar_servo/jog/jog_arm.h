@@ -50,8 +50,6 @@ class JogArm {
 
   /// Throws unless the drives are on and know where they stand.
   void require_ready();
-  /// Returns why the arm cannot move yet and what is to be done; empty when it can.
-  std::string to_do();
   /// Returns what to do about drives that do not know their position; empty when all do.
   std::string how_to_home();
 

@@ -27,8 +27,6 @@ constexpr char kTable[] =
 namespace fs = std::filesystem;
 
 constexpr std::size_t kAnyWords = std::numeric_limits<std::size_t>::max();
-constexpr const char* kOtherCommands[] = {"help", "quit"};
-constexpr char kGo[] = "go ";
 
 double number_of(const std::string& word, const std::string& what) {
   const auto value = finite_number(word);
@@ -42,10 +40,6 @@ int joint_of(const std::string& word) {
   if (word != "1" && word != "2" && word != "3")
     throw InputError({fmt::format("the joint is '{}'", word), "allowed are 1, 2, 3"});
   return word[0] - '1';
-}
-
-bool begins(const std::string& text, const std::string& with) {
-  return text.compare(0, with.size(), with) == 0;
 }
 
 /// Returns the first name of frame_1.png, frame_2.png, ... that no file has.
@@ -127,40 +121,9 @@ JogConsole::Answer JogConsole::execute(const std::string& line) {
   }
 }
 
-std::array<std::string, 2> JogConsole::status() {
-  const std::string to_do = arm_.to_do();
-  const bool known = to_do.empty();
-  const auto seen_B = known ? seen() : std::nullopt;
-  const CameraExposure camera = devices_.camera().exposure();
-  std::string light = fmt::format("{:.0f} us", camera.time_s / kMicrosecond);
-  if (camera.gain_db != 0.0) light += fmt::format(" {:.1f} dB", camera.gain_db);
-  if (const auto& exposure = lamps_.exposure())
-    light += fmt::format(", peak {}, {:.1f} % sat.", exposure->peak_level,
-                         100.0 * exposure->saturated_share);
-  return {known ? fmt::format("homed | joints {} deg | end point {}",
-                              fixed(arm_.commanded() / kDegree, 2, " "), place_mm(arm_.tip().p))
-                : to_do,
-          fmt::format("{} | {}", seen_B ? "seen " + place_mm(*seen_B) : "press l to look", light)};
-}
-
 std::optional<Eigen::Vector2d> JogConsole::seen() const {
   if (!seen_ || arm_.known_pulses() != seen_->pulses) return std::nullopt;
   return seen_->p;
-}
-
-std::vector<std::string> JogConsole::completions(const std::string& begun) const {
-  std::vector<std::string> all;
-  if (begins(begun, kGo)) {
-    if (taught_)
-      for (const TargetRow& target : taught_->all()) all.push_back(kGo + target.id);
-  } else {
-    for (const Command& command : commands()) all.emplace_back(command.verb);
-    all.insert(all.end(), std::begin(kOtherCommands), std::end(kOtherCommands));
-  }
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [&](const std::string& whole) { return !begins(whole, begun); }),
-            all.end());
-  return all;
 }
 
 const char* JogConsole::help() {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -37,17 +36,9 @@ class JogConsole {
 
   Answer execute(const std::string& line);
 
-  /// Returns the state: whether the arm can move and, if so, where it is; and where its end point
-  /// was seen there, and the exposure.
-  std::array<std::string, 2> status();
-
   JogArm& arm() { return arm_; }
   /// Returns where the end point was seen, if it was since the arm moved last.
   std::optional<Eigen::Vector2d> seen() const;
-
-  /// Returns what a line that begins like this can be: commands, and after `go` the ids of taught
-  /// places.
-  std::vector<std::string> completions(const std::string& begun) const;
 
   /// Returns a line for each command.
   static const char* help();

@@ -101,7 +101,7 @@ std::string LampFinder::find() {
   const LampPair pair = LampTracker(method_).locate(whole_frame(), expectation());
   if (!is_measured(pair))
     throw WorkError({fmt::format("no two lamps in the whole frame: {}", name(pair.status)),
-                     "save the frame and look at it (key i, command save)"});
+                     "save the frame and look at it (command save)"});
   middle_px_ = middle_of(pair);
   const auto& [first, second] = pair.lamps;
   std::string text =

@@ -51,8 +51,6 @@ class LampFinder {
 
   /// Returns the vision of the scene; empty while it is not calibrated.
   const std::optional<VisionCalibration>& vision() const { return scene_.vision; }
-  /// Returns the exposure of the picture read last; empty before the first.
-  const std::optional<ExposureReading>& exposure() const { return exposure_; }
 
  private:
   PairExpectation expectation() const;
@@ -65,7 +63,7 @@ class LampFinder {
   int follow_region_px_;
   std::optional<Eigen::Vector2d> middle_px_;  ///< between the lamps, where they were seen last
   std::optional<double> best_px_;
-  std::optional<ExposureReading> exposure_;
+  std::optional<ExposureReading> exposure_;  ///< of the last frame
 };
 
 }  // namespace planar

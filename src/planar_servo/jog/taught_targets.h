@@ -20,8 +20,6 @@ class TaughtTargets {
   /// an id that is taken or cannot be one; the file is then unchanged.
   void append(const TargetRow& target);
 
-  /// Returns all targets of the table.
-  const std::vector<TargetRow>& all() const { return targets_; }
   /// Throws InputError that names the ids there are for an id that is not among them.
   const TargetRow& at(const std::string& id) const;
 
