@@ -106,4 +106,23 @@ TEST_CASE("An arm bends by its posture, never further than stated, and otherwise
       0.1 * bending.largest_m);
 }
 
+TEST_CASE("A base moves to and fro once in a period, unevenly, as far as stated") {
+  const BaseMotionTruth motion{10.0 * kMicrometre, 1080.0, 0.5};
+  double least = 1.0, greatest = -1.0;
+  int rising = 0;
+  const auto along_m = [&](double time_s) {
+    return (rotation2d(-0.5) * base_shift_m(motion, time_s)).x();
+  };
+  for (int s = 0; s < 1080; ++s) {
+    least = std::min(least, along_m(s));
+    greatest = std::max(greatest, along_m(s));
+    rising += along_m(s + 1) > along_m(s) ? 1 : 0;
+    REQUIRE((base_shift_m(motion, s + 1.0) - base_shift_m(motion, s)).norm() < 0.15 * kMicrometre);
+  }
+  CHECK(least == Approx(-motion.largest_m).epsilon(0.01));
+  CHECK(greatest == Approx(motion.largest_m).epsilon(0.01));
+  CHECK(rising == Approx(432).margin(2));
+  CHECK((base_shift_m(motion, 1380.0) - base_shift_m(motion, 300.0)).norm() < 1e-12);
+}
+
 }  // namespace planar

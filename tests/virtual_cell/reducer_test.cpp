@@ -101,6 +101,23 @@ TEST_CASE("A gear stays wound up after a turn back, and one approach leaves a fi
   CHECK(left < 0.30);
 }
 
+TEST_CASE("Play that varies over the turn is wide here and narrow there, 0.05 deg on the mean") {
+  ReducerTruth truth;
+  truth.backlash_rad = 0.05 * kDegree;
+  truth.backlash_variation = 0.4;
+  double widest = 0.0, narrowest = 1.0;
+  for (double at_rad = 0.0; at_rad < 2.5; at_rad += 0.05) {
+    Reducer up(truth, at_rad - 0.1), down(truth, at_rad + 0.1);
+    up.follow(at_rad);
+    down.follow(at_rad);
+    const double play = down.output_rad() - up.output_rad();
+    widest = std::max(widest, play);
+    narrowest = std::min(narrowest, play);
+  }
+  CHECK(widest == Approx(1.4 * truth.backlash_rad).epsilon(0.02));
+  CHECK(narrowest == Approx(0.6 * truth.backlash_rad).epsilon(0.02));
+}
+
 TEST_CASE("A gear tells to which side its motor turned last") {
   Reducer reducer({}, 0.0, kGear);
   reducer.follow(0.1);

@@ -116,10 +116,14 @@ TEST_CASE("A truth holds fixed lamps and warming only where it has them") {
 TEST_CASE("A truth holds beam, leans, outliers and mixed-up readings only where it has them") {
   const test::TemporaryFolder folder;
   const std::string paper = truth_text(draw_truth(1));
-  for (const char* key : {"beam_sag", "axis_leans_deg", "outliers", "mispaired_share"})
+  for (const char* key : {"beam_sag", "axis_leans_deg", "outliers", "mispaired_share",
+                          "base_motion", "creep", "backlash_variation"})
     CHECK(paper.find(key) == std::string::npos);
   Truth truth = draw_rough_truth(1);
   truth.tracker.mispaired_share = 0.02;
+  truth.arm.base_motion = BaseMotionTruth{10.0 * kMicrometre, 1080.0, 0.5};
+  truth.arm.creep = CreepTruth{12.0 * kMicrometre, 2.5};
+  truth.arm.reducers[1].backlash_variation = 0.3;
   write_truth(folder / "truth.yaml", truth);
   const Truth read = read_truth(folder / "truth.yaml");
   CHECK(read.tracker.mispaired_share == truth.tracker.mispaired_share);
@@ -131,6 +135,10 @@ TEST_CASE("A truth holds beam, leans, outliers and mixed-up readings only where 
   for (std::size_t i = 0; i < 3; ++i)
     CHECK((*read.arm.axis_leans_rad)[i].isApprox((*truth.arm.axis_leans_rad)[i], kUnits));
   CHECK(read.outliers->share == truth.outliers->share);
+  CHECK(read.arm.base_motion->largest_m == Approx(10.0 * kMicrometre).epsilon(kUnits));
+  CHECK(read.arm.base_motion->period_s == Approx(1080.0).epsilon(kUnits));
+  CHECK(read.arm.creep->time_s == Approx(2.5).epsilon(kUnits));
+  CHECK(read.arm.reducers[1].backlash_variation == Approx(0.3).epsilon(kUnits));
   CHECK(read.outliers->to_m == Approx(truth.outliers->to_m).epsilon(kUnits));
 
   const std::string good = truth_text(truth);

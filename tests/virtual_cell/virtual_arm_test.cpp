@@ -92,6 +92,34 @@ TEST_CASE("The tool sags with the square of its reach") {
   CHECK(p.z() == Approx(0.005 - 0.0015 * p.head<2>().squaredNorm()));
 }
 
+TEST_CASE("A tip creeps after a stop, by what its way left behind") {
+  Truth truth = ideal_truth();
+  truth.arm.creep = CreepTruth{12e-6, 2.0};
+  VirtualHardware hardware = test::sample_hardware();
+  VirtualClock clock;
+  VirtualArm creeps(truth, hardware, clock), ideal(ideal_truth(), hardware, clock);
+  const auto behind_m = [&]() -> Eigen::Vector2d { return ideal.tip().p - creeps.tip().p; };
+  CHECK(behind_m().norm() == 0.0);
+  clock.sleep_for_s(1.0);
+  const Eigen::Vector2d from_m = ideal.tip().p;
+  const auto turn_both = [&](double turn_rad) {
+    for (VirtualArm* arm : {&creeps, &ideal}) {
+      arm->drive(0).energize();
+      arm->drive(0).set_target(
+          arm->drive(0).status().position_pulses +
+          static_cast<std::int32_t>(std::lround(hardware.pulses_per_rad()[0] * turn_rad)));
+    }
+    while (ideal.moves()) clock.sleep_for_s(0.001);
+  };
+  turn_both(0.8);
+  const Eigen::Vector2d way_m = (ideal.tip().p - from_m).normalized();
+  CHECK(behind_m().dot(way_m) == Approx(12e-6).epsilon(0.01));
+  clock.sleep_for_s(2.0);
+  CHECK(behind_m().norm() == Approx(12e-6 * std::exp(-1.0)).epsilon(0.01));
+  turn_both(0.001);
+  CHECK(behind_m().norm() < 0.1 * 12e-6);
+}
+
 TEST_CASE("A beam sags with both links' reach, which no multiple of the squared reach does") {
   Truth truth = ideal_truth();
   truth.arm.beam_sag = BeamSagTruth{0.0015, 0.003};

@@ -74,6 +74,30 @@ Eigen::Vector2d bending_m(const BendingTruth& bending, double link1_rad, double 
          (base_pull * rotation2d(link1_rad).col(1) + elbow_pull * rotation2d(link2_rad).col(1));
 }
 
+namespace {
+
+/// Returns how warm a thing is, from -1 to 1, that is heated for a part of each turn only and
+/// follows with this share of a turn as its time constant.
+double warmed(double turns, double lag) {
+  constexpr double kHeated = 0.4;
+  const double rise = std::exp(-kHeated / lag), fall = std::exp(-(1.0 - kHeated) / lag);
+  const double low = fall * (1.0 - rise) / (1.0 - rise * fall), high = 1.0 - (1.0 - low) * rise;
+  const double phase = turns - std::floor(turns);
+  const double warm = phase < kHeated ? 1.0 - (1.0 - low) * std::exp(-phase / lag)
+                                      : high * std::exp(-(phase - kHeated) / lag);
+  return 2.0 * (warm - low) / (high - low) - 1.0;
+}
+
+}  // namespace
+
+Eigen::Vector2d base_shift_m(const BaseMotionTruth& motion, double time_s) {
+  constexpr double kLag = 0.2, kLongerLag = 0.6, kAcross = 0.4;
+  const double turns = time_s / motion.period_s;
+  return motion.largest_m *
+         (rotation2d(motion.direction_rad) *
+          Eigen::Vector2d(warmed(turns, kLag), kAcross * warmed(turns - kLag, kLongerLag)));
+}
+
 Eigen::Vector2d StopScatter::at_rest(const Eigen::Vector2d& p_m, bool negative) const {
   Random random(seed_, RandomStream::kScatter, stops_);
   const bool wild = random.uniform(0.0, 1.0) < kWildShare;
@@ -220,11 +244,25 @@ void VirtualArm::leave_rest() {
   if (moves()) return;
   if (rested_rad_ && (joints_rad() - *rested_rad_).cwiseAbs().maxCoeff() >= kNear)
     rested_rad_.reset();  // the arm came from afar to where it rests now
-  if (!scatter_) return;
+  const double rested = rested_s();
+  if (rested <= 0.0) return;
+  left_m_ = led_m();
+  if (scatter_) scatter_->leave(*left_m_, drives_[0].turned_negative(), rested);
+}
+
+double VirtualArm::rested_s() const {
   double rested_s = std::numeric_limits<double>::infinity();
   for (const VirtualDrive& drive : drives_)
     rested_s = std::min(rested_s, clock_.now_s() - drive.rests_since_s());
-  if (rested_s > 0.0) scatter_->leave(led_m(), drives_[0].turned_negative(), rested_s);
+  return rested_s;
+}
+
+Eigen::Vector2d VirtualArm::creeping_m() const {
+  constexpr double kLongMove_m = 0.1;
+  if (!arm_.creep || !left_m_) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d moved_m = led_m() - *left_m_;
+  const double left = moves() ? 1.0 : std::exp(-rested_s() / arm_.creep->time_s);
+  return -left * arm_.creep->largest_m / std::max(moved_m.norm(), kLongMove_m) * moved_m;
 }
 
 Eigen::Vector2d VirtualArm::led_m() const {
@@ -239,8 +277,9 @@ Pose VirtualArm::X_BT() {
   const Eigen::Vector2d lengths = link_lengths_m();
   const Eigen::Vector2d link1 = lengths[0] * rotation2d(direction[0]).col(0);
   const Eigen::Vector2d link2 = lengths[1] * rotation2d(direction[1]).col(0);
-  Eigen::Vector2d besides = all_runout_m(direction) + scatter_m();
+  Eigen::Vector2d besides = all_runout_m(direction) + scatter_m() + creeping_m();
   if (arm_.bending) besides += bending_m(*arm_.bending, direction[0], direction[1]);
+  if (arm_.base_motion) besides += base_shift_m(*arm_.base_motion, clock_.now_s());
   const auto [axis1, axis2, axis3] = axes(direction);
   Pose X_BT = Pose::Identity();
   X_BT.translation() =

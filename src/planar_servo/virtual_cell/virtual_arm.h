@@ -38,6 +38,10 @@ double height_wave_m(const HeightWaveTruth& wave, const Eigen::Vector2d& p_B);
 /// the elbow pull at link 2, one way when it is stretched and the other way when it is bent.
 Eigen::Vector2d bending_m(const BendingTruth& bending, double link1_rad, double link2_rad);
 
+/// Returns where the base has moved to. A thermostat heats for two fifths of the period and lets
+/// cool for the rest; the base follows with a lag, and with a longer one across its direction.
+Eigen::Vector2d base_shift_m(const BaseMotionTruth& motion, double time_s);
+
 /// The miss of the tip, drawn anew at every stop. A stop is a rest of a tenth of a second or more;
 /// the short rest of an approach from one side does not count, so a move goes from one real stop to
 /// the next.
@@ -106,8 +110,12 @@ class VirtualArm {
   Eigen::Vector2d miss_m();
   /// Returns the arm's scatter at this stop or, while it moves, at the last one.
   Eigen::Vector2d scatter_m();
-  /// Notes the end of a rest for the scatter.
+  /// Returns how far the tip still is behind where it creeps to.
+  Eigen::Vector2d creeping_m() const;
+  /// Notes the end of a rest for scatter and creep.
   void leave_rest();
+  /// Returns for how long all drives have been at rest.
+  double rested_s() const;
   /// Returns where the motors would lead the tip without any error between.
   Eigen::Vector2d led_m() const;
 
@@ -122,6 +130,7 @@ class VirtualArm {
   std::vector<VirtualDrive> drives_;
   std::optional<Eigen::Vector3d> rested_rad_;  ///< joints where `missed_m_` was drawn
   Eigen::Vector2d missed_m_{0.0, 0.0};
+  std::optional<Eigen::Vector2d> left_m_;  ///< where motors led the tip at the rest before
   std::unordered_map<std::uint64_t, std::uint64_t> visits_;  ///< earlier rests at a place
 };
 

@@ -112,10 +112,13 @@ void Reducer::follow(double motor_rad) {
 }
 
 double Reducer::output_rad() const {
+  constexpr double kVariations = 2.6;  // of the play, in a turn
   double output = held_rad_ + truth_.zero_offset_rad;
   for (const Harmonic& h : truth_.eccentricity)
     output += h.amplitude * std::sin(h.order * held_rad_ + h.phase_rad);
-  return output + ripple_rad() + wound_rad_;
+  const double lost = 0.5 * truth_.backlash_variation * truth_.backlash_rad *
+                      std::sin(kVariations * held_rad_) * (turned_negative_ ? 1.0 : -1.0);
+  return output + lost + ripple_rad() + wound_rad_;
 }
 
 double Reducer::shaft_rad(double motor_rad) const {

@@ -136,6 +136,29 @@ void list_bending(Fields& fields, std::optional<BendingTruth>& bending) {
   });
 }
 
+void list_base_motion(Fields& fields, std::optional<BaseMotionTruth>& motion) {
+  list_optional_block(fields, "base_motion", motion, [&](BaseMotionTruth& base) {
+    fields.number("largest_um", base.largest_m, kMicrometre, Range::at_least(0.0));
+    fields.number("period_min", base.period_s, 60.0, Range::positive());
+    fields.number("direction_deg", base.direction_rad, kDegree);
+  });
+}
+
+void list_creep(Fields& fields, std::optional<CreepTruth>& creep) {
+  list_optional_block(fields, "creep", creep, [&](CreepTruth& tip) {
+    fields.number("largest_um", tip.largest_m, kMicrometre, Range::at_least(0.0));
+    fields.number("time_s", tip.time_s, 1.0, Range::positive());
+  });
+}
+
+void list_backlash_variation(Fields& fields, Reducers& reducers) {
+  if (fields.given("backlash_variation", any_reducer(reducers, [](const ReducerTruth& reducer) {
+                     return reducer.backlash_variation > 0.0;
+                   })))
+    list_each(fields, "backlash_variation", reducers, &ReducerTruth::backlash_variation, 1.0,
+              Range::from_to(0.0, 1.0));
+}
+
 }  // namespace
 
 void list_fields(Fields& fields, ArmTruth& arm) {
@@ -144,6 +167,7 @@ void list_fields(Fields& fields, ArmTruth& arm) {
             Range::any());
   list_each(fields, "backlash_deg", arm.reducers, &ReducerTruth::backlash_rad, kDegree,
             Range::at_least(0.0));
+  list_backlash_variation(fields, arm.reducers);
   fields.map("eccentricity",
              [&] { list_each(fields, arm.reducers, &ReducerTruth::eccentricity, kDegree); });
   list_beam_sag(fields, arm);
@@ -157,6 +181,8 @@ void list_fields(Fields& fields, ArmTruth& arm) {
   list_warming(fields, arm.warming);
   list_height_wave(fields, arm.height_wave);
   list_bending(fields, arm.bending);
+  list_base_motion(fields, arm.base_motion);
+  list_creep(fields, arm.creep);
 }
 
 void list_harmonics(Fields& fields, const std::string& key, std::vector<Harmonic>& harmonics,

@@ -47,7 +47,8 @@ struct Harmonic {
 /// real reducers have besides; the class Reducer has its forms.
 struct ReducerTruth {
   double zero_offset_rad{0.0};
-  double backlash_rad{0.0};  ///< full width of the play
+  double backlash_rad{0.0};        ///< full width of the play
+  double backlash_variation{0.0};  ///< by which share it is wider and narrower over the turn
   std::vector<Harmonic> eccentricity;
   std::vector<Harmonic> ripple;      ///< transmission error, radians, over the motor's own turn
   double ripple_modulation{0.0};     ///< by which share it swells and fades over the output's turn
@@ -102,6 +103,19 @@ struct BendingTruth {
   double slack_rad{0.0};  ///< direction of link 1, from home on, at which the cables pull nowhere
 };
 
+/// The arm's base moves on its table as the room is heated and cooled by turns: see base_shift_m().
+struct BaseMotionTruth {
+  double largest_m{0.0};
+  double period_s{1.0};
+  double direction_rad{0.0};  ///< base frame
+};
+
+/// The tip comes to rest behind where its motors led it and creeps on.
+struct CreepTruth {
+  double largest_m{0.0};  ///< after a move of 100 mm; a shorter one leaves less
+  double time_s{1.0};     ///< that leaves 1/e of it
+};
+
 struct ArmTruth {
   std::array<double, 2> link_lengths_m{0.3, 0.3};
   std::array<ReducerTruth, 3> reducers;
@@ -117,6 +131,8 @@ struct ArmTruth {
   std::optional<ArmWarmingTruth> warming;
   std::optional<HeightWaveTruth> height_wave;
   std::optional<BendingTruth> bending;
+  std::optional<BaseMotionTruth> base_motion;
+  std::optional<CreepTruth> creep;
 };
 
 }  // namespace planar
