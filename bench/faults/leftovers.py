@@ -3,11 +3,11 @@
 
     tests/support/loopback_only.sh bench/faults/leftovers.py BIN_DIR OUT_DIR --cell DIR [--starts N] [--only PROGRAM]
 
-Before each start planar-jog homes the cell's Grbl board and leaves it at a random place. A program with --home must home before it moves anything else, one without must refuse and name the drives.
+Before each start planar-jog homes the cell's Grbl board and leaves it at a random place. Half of the starts ask for homing: they must home before anything is moved or told of the joints. The others must refuse and name the drives. The Python module is found as PYTHONPATH says.
 Prints for each program how often it homed first, refused rightly, and did neither. Ends with status 1 for the last."""
 
 import argparse
-import csv
+import json
 import pathlib
 import random
 import re
@@ -16,14 +16,26 @@ import signal
 import subprocess
 import sys
 import time
+import urllib.error
+import urllib.request
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/support"))
+from served_console import ServedConsole
 
 PLACE = "id,x_mm,y_mm\na,300,-200\n"
 PLAN = "id,plan,x_mm,y_mm,phi_deg\nt0,pose,300,-200,0\n"
-PROGRAMS = {
-    "planar-servo": ["--targets", "targets.csv", "--no-health", "--accept-stale", "--accept-map"],
+RUNS = {
+    "planar-servo": ["--targets", "targets.csv", "--no-health", "--accept-stale", "--accept-map", "--out", "made"],
     "planar-check-cell": [],
-    "planar-record": ["--plan", "plan.csv"],
+    "planar-record": ["--plan", "plan.csv", "--out", "made"],
+    "planar-certify": ["--accept-stale", "--accept-map", "--out", "made"],
 }
+HOMES = re.compile(r"homing: drive (\d) is home|outside (?:its|the) workspace|checking the cell|has lost its")
+JOINTS = re.compile(r"^joints (\S+) (\S+) (\S+) deg", re.MULTILINE)
+PYTHON = """import sys, planar_servo as ps
+with ps.Cell("live.yaml", accept_stale=True, accept_map=True, check_health=False, home={homes}) as cell:
+    print("joints", *(f"{{180 / 3.141592653589793 * joint:.3f}}" for joint in cell.joints), "deg")
+"""
 
 
 class Served:
@@ -35,20 +47,34 @@ class Served:
             if self.process.poll() is not None:
                 sys.exit((out / "served.txt").read_text())
             time.sleep(0.1)
+        home = re.search(r"home_deg: \[(.*?)\]", (out / "cell.yaml").read_text())
+        self.home_deg = [float(number) for number in home[1].split(",")]
+
+    def is_home(self, joints_deg):
+        return all(abs(float(joint) - home) < 0.01 for joint, home in zip(joints_deg, self.home_deg))
+
+
+def jog(programs, out, lines):
+    return subprocess.run([programs / "planar-jog", "-q", "--cell", out / "live.yaml"], input=lines, text=True,
+                          capture_output=True, check=False)
 
 
 def leave_somewhere(programs, out, chance):
     turns = [f"joint {joint} {chance.uniform(-14, 14):.2f}\n" for joint in (1, 2, 3) for _ in range(chance.randrange(4))]
     chance.shuffle(turns)
-    subprocess.run([programs / "planar-jog", "-q", "--cell", out / "live.yaml"], input="enable\nhome\n" + "".join(turns),
-                   text=True, capture_output=True, check=False)
+    jog(programs, out, "enable\nhome\n" + "".join(turns))
 
 
-def start(programs, out, name, homes):
+def told(said, joints, homes, served, refusal):
+    """Judges a start by the joints that it told and by what it said without them."""
+    if homes:
+        return "homed" if joints and served.is_home(joints) else said
+    return "refused" if not joints and refusal in said else said
+
+
+def start_run(name, programs, out, homes, _served):
     shutil.rmtree(out / "made", ignore_errors=True)
-    made = ["--out", "made"] if name != "planar-check-cell" else []
-    homing = ["--home"] if homes else []
-    command = [programs / name, "--cell", "live.yaml", *PROGRAMS[name], *made, *homing]
+    command = [programs / name, "--cell", "live.yaml", *RUNS[name], *(["--home"] if homes else [])]
     with subprocess.Popen(command, cwd=out, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                           stderr=subprocess.PIPE) as process:
         said = ""
@@ -59,8 +85,51 @@ def start(programs, out, name, homes):
         status = process.wait(60)
     if not homes:
         return "refused" if status == 1 and "lost their position: 1 2 3; start with --home" in said else said
-    first = re.findall(r"homing: drive (\d) is home|outside (?:its|the) workspace|checking the cell|has lost its", said)
-    return "homed" if first[:3] == ["1", "2", "3"] else said
+    return "homed" if HOMES.findall(said)[:3] == ["1", "2", "3"] else said
+
+
+def start_jog(programs, out, homes, served):
+    ended = jog(programs, out, "enable\nhome\nwhere\n" if homes else "enable\nwhere\njoint 1 1\ngo a\n")
+    where = JOINTS.search(ended.stdout)
+    return told(ended.stderr, where and where.groups(), homes, served, "drives do not know where they stand")
+
+
+def start_python(_programs, out, homes, served):
+    ended = subprocess.run(["/usr/bin/python3", "-c", PYTHON.format(homes=homes)], cwd=out, text=True, capture_output=True,
+                           check=False)
+    where = JOINTS.search(ended.stdout)
+    return told(ended.stderr, where and where.groups(), homes, served, "lost their position: 1 2 3")
+
+
+def start_console(programs, out, homes, served):
+    with ServedConsole(programs / "planar-console", out / "live.yaml") as console:
+        def ask(path, body=None):
+            sent = {"Authorization": f"Bearer {console.token['operate']}", "X-Planar-Client": "1" * 16, "X-Planar-Stops": "0",
+                    "Content-Type": "application/json"}
+            data = json.dumps(body).encode() if body is not None else None
+            try:
+                with urllib.request.urlopen(urllib.request.Request(console.origin + path, data, sent), timeout=60) as answer:
+                    return json.load(answer)
+            except urllib.error.HTTPError as error:
+                return json.load(error)
+
+        def rested():
+            while (state := ask("/api/state"))["doing"] != "idle":
+                time.sleep(0.02)
+            return state["arm"]
+
+        said = [ask("/api/command", {"line": line}) for line in ["enable"] if not rested()["enabled"]]
+        rested()
+        if homes:
+            said.append(ask("/api/command", {"line": "home"}))
+        else:
+            said += [ask("/api/go", {"x_mm": 300, "y_mm": -200}), ask("/api/jog", {"line": "joint 1 1"})]
+        arm = rested()
+        return told(json.dumps([said, arm]), arm["joints_deg"], homes, served, "the arm cannot move yet")
+
+
+STARTS = {name: lambda *how, name=name: start_run(name, *how) for name in RUNS}
+STARTS.update({"planar-jog": start_jog, "planar-console": start_console, "Python": start_python})
 
 
 def main():
@@ -68,7 +137,7 @@ def main():
     parser.add_argument("bin_dir", type=pathlib.Path)
     parser.add_argument("out_dir", type=pathlib.Path)
     parser.add_argument("--starts", type=int, default=200)
-    parser.add_argument("--only", choices=PROGRAMS)
+    parser.add_argument("--only", choices=STARTS)
     parser.add_argument("--cell", type=pathlib.Path, required=True, help="a calibrated virtual cell")
     options = parser.parse_args()
     programs, out = options.bin_dir.resolve(), options.out_dir.resolve()
@@ -77,11 +146,11 @@ def main():
     (out / "plan.csv").write_text(PLAN)
     served = Served(programs, out, out / "cell.yaml")
     wrong = 0
-    for name in [options.only] if options.only else PROGRAMS:
+    for name in [options.only] if options.only else STARTS:
         chance, counts = random.Random(name), {"homed": 0, "refused": 0, "wrong": 0}
         for number in range(options.starts):
             leave_somewhere(programs, out, chance)
-            end = start(programs, out, name, homes=number % 2 == 0)
+            end = STARTS[name](programs, out, number % 2 == 0, served)
             if end not in counts:
                 print(f"{name}, start {number}: {end}", file=sys.stderr)
                 end = "wrong"
