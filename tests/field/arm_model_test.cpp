@@ -32,6 +32,8 @@ ArmModelSize whole_size(std::mt19937& random, const ArmNominal& files) {
   size.warms = true;
   size.posture = basis_over_postures(postures, 0.6);
   size.wave = basis_over_disc(0.6, 0.2);
+  size.wander = {Eigen::Matrix2Xd::Zero(2, 3), 0.4};
+  size.wander.centers.row(0) << 0.5, 1.0, 2.0;
   return size;
 }
 

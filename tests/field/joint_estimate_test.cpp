@@ -1,6 +1,8 @@
 #include "planar_servo/field/joint_estimate.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <set>
 
 #include "field/bent_cell.h"
@@ -70,6 +72,32 @@ TEST_CASE("How far an arm scatters is found, and the field is better for it") {
   estimate.fit = fit_jointly(estimate.model(), held, samples, estimate.fit.basis.radius).value();
   CHECK(knowing_m < mean_miss_m(cell, estimate, samples));
   CHECK(knowing_m < 10e-6);
+}
+
+TEST_CASE("A base that moves within minutes is neither the field's error nor the arm's scatter") {
+  const test::BentCell cell;
+  std::mt19937 random(31);
+  std::vector<PoseSample> samples = cell.samples(150, 0, random);
+  // A way from place to place: without the time nothing distinguishes the base from the field.
+  std::sort(samples.begin(), samples.end(),
+            [](const PoseSample& a, const PoseSample& b) { return a.motors[0] < b.motors[0]; });
+  constexpr double kPeriod_h = 0.3, kLargest_m = 10e-6;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].t_h = 1.5 * (static_cast<double>(i + 1) / static_cast<double>(samples.size()) - 1.0);
+    const double turns = samples[i].t_h / kPeriod_h;
+    const double triangle = 4.0 * std::abs(turns - std::round(turns)) - 1.0;
+    const Eigen::Vector2d base = kLargest_m * triangle * Eigen::Vector2d(0.8, 0.6);
+    *samples[i].reflector_B += base;
+    for (Eigen::Vector2d& lamp : samples[i].lamps_B) lamp += base;
+  }
+  JointEstimate estimate = estimate_jointly(cell.nominal(), samples);
+  CHECK(estimate.arm().wander_m == Approx(kLargest_m / std::sqrt(6.0)).epsilon(0.6));
+  CHECK(estimate.priors.arm_sigma < 2e-6);
+  const double knowing_m = mean_miss_m(cell, estimate, samples);
+  estimate.size.wander = {{}, 1.0};
+  estimate.fit =
+      fit_jointly(estimate.model(), estimate.priors, samples, estimate.fit.basis.radius).value();
+  CHECK(knowing_m < 0.7 * mean_miss_m(cell, estimate, samples));
 }
 
 TEST_CASE("A wrong reading leaves without its pose, a wrong lamp takes the pose with it") {

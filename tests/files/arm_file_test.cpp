@@ -38,6 +38,7 @@ FoundArm whole_arm() {
     arm.x[i] = 1e-5 * std::sin(1.0 + static_cast<double>(i));
   arm.factor = Eigen::MatrixXd::Random(arm.x.size(), 4) * 1e-6;
   arm.scatter_m = 17e-6;
+  arm.wander_m = 4e-6;
   return arm;
 }
 
@@ -62,13 +63,14 @@ TEST_CASE("An arm that was found comes back as it was written") {
     CHECK((back.x - arm.x).cwiseAbs().maxCoeff() < 1e-17);
     CHECK(back.factor == arm.factor);
     CHECK(back.scatter_m == Approx(arm.scatter_m).epsilon(1e-14));
+    CHECK(back.wander_m == Approx(arm.wander_m).epsilon(1e-14));
   }
 }
 
 TEST_CASE("What an arm does not have is not in its file") {
   CHECK_THAT(bent_arm_text(), !Contains("ripple_deg") && !Contains("runout3_mm") &&
                                   !Contains("deviation:") && !Contains("scatter_mm") &&
-                                  !Contains("factor:"));
+                                  !Contains("wander_mm") && !Contains("factor:"));
 }
 
 TEST_CASE("A file from before ripples, runout, deviation, scatter and factor is read") {

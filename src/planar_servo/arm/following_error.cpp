@@ -24,8 +24,9 @@ FollowingError::FollowingError(FoundArm found)
 
 FollowingError::Look FollowingError::look_at(const ArmLook& look, double t_s) const {
   const Eigen::Matrix2Xd J = found_.form.jacobian(look.motors, found_.x).topRows<2>();
-  Eigen::Matrix2Xd rows(2, found_.factor.cols() + warmth_.cols());
-  rows << J * found_.factor + look.vision_rows, J * warmth_;
+  Eigen::Matrix2Xd rows(2, found_.factor.cols() + warmth_.cols() + 2);
+  rows << J * found_.factor + look.vision_rows, J * warmth_,
+      found_.wander_m * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d p = found_.tip(look.motors).p;
   return {t_s, p, look.p - p, std::move(rows), look.sigma_m};
 }

@@ -72,6 +72,7 @@ struct FoundArm {
   /// those of the field's. Empty where nothing is known of it.
   Eigen::MatrixXd factor{};
   double scatter_m{0.0};  ///< by which a stop misses at random, standard deviation per axis
+  double wander_m{0.0};   ///< by which its base moves slowly, standard deviation per axis
 
   Eigen::Vector2d link_lengths_m() const { return x.head<2>(); }
   TipPose tip(const Eigen::Vector3d& motors) const { return form.tip(motors, x); }

@@ -33,6 +33,10 @@ constexpr Chi2 kOfTwo{1.386, 32.24}, kOfFour{3.357, 38.24}, kOfSix{5.348, 43.34}
 /// Widths of the arm's smooth deviation, in the coordinates of PostureBasis, and of the lamps'
 /// height, as a share of the field's radius.
 constexpr double kPostureWidth = 0.6, kWaveWidth = 0.2;
+/// Width in time of the base's slow motion. Thermostats switch three to six times an hour, and a
+/// wave of period T is as smooth as a width of T / (2 pi).
+constexpr double kWanderWidth_h = 2.0 / 60.0;
+constexpr int kMostWander = 100;  ///< Gaussians; they are wider over a longer time
 
 /// A prior that is searched for, over its logarithm.
 struct SearchedPrior {
@@ -51,6 +55,22 @@ struct TuningProblem {
   bool lamps_seen() const { return samples.front().lamps_seen; }
 };
 
+/// Returns Gaussians over the time in which the samples were taken; none where it is too short to
+/// show a slow motion.
+FieldBasis basis_over_time(const std::vector<PoseSample>& samples) {
+  constexpr double kSpacing = 0.75;  // of the width
+  const auto [first, last] =
+      std::minmax_element(samples.begin(), samples.end(),
+                          [](const PoseSample& a, const PoseSample& b) { return a.t_h < b.t_h; });
+  const double span_h = last->t_h - first->t_h;
+  if (span_h < 4.0 * kWanderWidth_h) return {{}, kWanderWidth_h};
+  const double width_h = std::max(kWanderWidth_h, span_h / (kSpacing * kMostWander));
+  const auto n = static_cast<Eigen::Index>(std::ceil(span_h / (kSpacing * width_h))) + 1;
+  Eigen::Matrix2Xd centers = Eigen::Matrix2Xd::Zero(2, n);
+  centers.row(0) = Eigen::RowVectorXd::LinSpaced(n, first->t_h, last->t_h);
+  return {centers, width_h};
+}
+
 /// Hobby arms repeat to 0.2 mm, the best machines to some tenths of a micrometre.
 std::vector<SearchedPrior> searched_priors(const TuningProblem& problem) {
   const double radius = problem.radius;
@@ -67,6 +87,8 @@ std::vector<SearchedPrior> searched_priors(const TuningProblem& problem) {
     priors.insert(priors.end(), {{&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
                                  {&JointPriors::tool_sigma, 1e-5, 1e-8, 3e-3},
                                  {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3}});
+  if (problem.trust == ArmTrust::kFound && basis_over_time(problem.samples).centers.cols() > 0)
+    priors.push_back({&JointPriors::wander_sigma, 1e-6, 1e-8, 1e-3});
   if (!problem.board.lays.empty()) priors.push_back({&JointPriors::dot_factor, 1.0, 0.5, 30.0});
   return priors;
 }
@@ -105,6 +127,7 @@ JointPriors of_ordinary_arm(JointPriors priors) {
   priors.air_sigma = 2e-6;
   priors.deviation_sigma = 1e-5;
   priors.wave_sigma = 1e-4;
+  priors.wander_sigma = 1e-5;
   return priors;
 }
 
@@ -199,6 +222,7 @@ ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSampl
   size.harmonics = kMostHarmonics;
   size.ripples = kMostRipples;
   size.posture = basis_over_postures(postures, kPostureWidth);
+  if (size.warms) size.wander = basis_over_time(samples);
   return size;
 }
 
@@ -230,6 +254,7 @@ std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelS
   try_without([](ArmModelSize& size) { size.wave = {{}, 1.0}; });
   try_without([](ArmModelSize& size) { size.ripples = 0; });
   try_without([](ArmModelSize& size) { size.warms = false; });
+  try_without([](ArmModelSize& size) { size.wander = {{}, kWanderWidth_h}; });
   while (tried.back().size.harmonics > 0 &&
          try_without([](ArmModelSize& size) { --size.harmonics; }))
     continue;

@@ -34,7 +34,11 @@ struct JointEstimate {
   /// Returns the arm with its scatter but without a covariance.
   FoundArm arm() const {
     const ArmForm form = model().form();
-    return {form, fit.arm.head(form.terms()), {}, priors.arm_sigma};
+    return {form,
+            fit.arm.head(form.terms()),
+            {},
+            priors.arm_sigma,
+            size.wander.centers.cols() > 0 ? priors.wander_sigma : 0.0};
   }
 };
 

@@ -1,5 +1,6 @@
 #include "planar_servo/field/joint_fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -39,11 +40,18 @@ JointEquations::JointEquations(const ArmModel& model, const std::vector<PoseSamp
       radius_(radius),
       board_(board),
       nominal_(model.nominal()),
-      sigma_(model.prior_sigma()),
-      posture_kernel_(model.form().posture.kernel_matrix()),
-      wave_kernel_(model.height().wave.kernel_matrix()),
-      posture_log_det_(log_det_of_kernel(posture_kernel_)),
-      wave_log_det_(log_det_of_kernel(wave_kernel_)) {
+      sigma_(model.prior_sigma()) {
+  const auto add = [&](Eigen::Index first, const Eigen::MatrixXd& kernel, int components,
+                       double JointPriors::*sigma) {
+    for (int i = 0; i < components; ++i)
+      smooth_.push_back({first + i * kernel.rows(), kernel, sigma, log_det_of_kernel(kernel)});
+  };
+  const auto at = model.layout();
+  const Eigen::MatrixXd wave = model.height().wave.kernel_matrix();
+  add(model.form().deviation(), model.form().posture.kernel_matrix(), 2,
+      &JointPriors::deviation_sigma);
+  add(at.wander, model.size().wander.kernel_matrix(), 2, &JointPriors::wander_sigma);
+  add(at.tool - wave.rows(), wave, 1, &JointPriors::wave_sigma);
   linearize(nominal_);
 }
 
@@ -163,15 +171,16 @@ void JointEquations::add_priors(const JointPriors& priors) {
     add_diagonal(first + nb, kDriftSigma, 0.0);
   }
   const Eigen::VectorXd off = nominal_ - x_;
-  const Eigen::Index arm = field_terms(), np = posture_kernel_.rows(), nw = wave_kernel_.rows();
-  const Eigen::Index deviation = model_.form().deviation(), wave = model_.layout().tool - nw;
-  for (const Eigen::Index first : {deviation, deviation + np})
-    add_kernel(arm + first, posture_kernel_, posture_log_det_, priors.deviation_sigma,
-               off.segment(first, np));
-  add_kernel(arm + wave, wave_kernel_, wave_log_det_, priors.wave_sigma, off.segment(wave, nw));
+  const Eigen::Index arm = field_terms();
+  std::vector<bool> is_smooth(static_cast<std::size_t>(model_.terms()), false);
+  for (const SmoothTerms& terms : smooth_) {
+    const Eigen::Index n = terms.kernel.rows();
+    add_kernel(arm + terms.first, terms.kernel, terms.log_det, priors.*terms.sigma,
+               off.segment(terms.first, n));
+    std::fill_n(is_smooth.begin() + terms.first, n, true);
+  }
   for (Eigen::Index i = 0; i < model_.terms(); ++i)
-    if ((i < deviation || i >= deviation + 2 * np) && (i < wave || i >= wave + nw))
-      add_diagonal(arm + i, sigma_[i], off[i]);
+    if (!is_smooth[static_cast<std::size_t>(i)]) add_diagonal(arm + i, sigma_[i], off[i]);
 }
 
 bool JointEquations::solve(const JointPriors& priors) {
@@ -192,9 +201,8 @@ std::optional<Eigen::VectorXd> JointEquations::solve_in_steps(const JointPriors&
   // The Gaussians' weights balance each other by much more than the function that they make.
   constexpr double kAnySize = std::numeric_limits<double>::infinity();
   Eigen::VectorXd size = sigma_;
-  size.segment(model_.form().deviation(), 2 * posture_kernel_.rows()).setConstant(kAnySize);
-  size.segment(model_.layout().tool - wave_kernel_.rows(), wave_kernel_.rows())
-      .setConstant(kAnySize);
+  for (const SmoothTerms& terms : smooth_)
+    size.segment(terms.first, terms.kernel.rows()).setConstant(kAnySize);
   for (int step = 0; step < kMostSteps; ++step) {
     linearize(x);
     if (!solve(priors)) return std::nullopt;

@@ -20,6 +20,7 @@ struct JointPriors {
   double air_sigma{1e-7};        ///< by which air displaces a picture of both lamps, per axis
   double deviation_sigma{1e-6};  ///< of the arm's smooth deviation over its postures, per axis
   double wave_sigma{1e-6};       ///< of the lamps' height besides its two terms
+  double wander_sigma{1e-7};     ///< of the base's slow motion, per axis
   double dot_factor{1.0};        ///< times the stated deviations of a board's dots
 };
 
@@ -76,6 +77,15 @@ class JointEquations {
   std::vector<double> chi2() const;
 
  private:
+  /// Weights of Gaussians among the model's unknowns, with the inverse of their prior covariance
+  /// for a function of unit variance.
+  struct SmoothTerms {
+    Eigen::Index first;
+    Eigen::MatrixXd kernel;
+    double JointPriors::*sigma;
+    double log_det;
+  };
+
   static constexpr int kRows = 6;  // of a pose: reflector, lamp 1, lamp 2
   using PoseRows = Eigen::Matrix<double, kRows, 1>;
   using PoseWeight = Eigen::Matrix<double, kRows, kRows>;
@@ -92,8 +102,7 @@ class JointEquations {
   const double radius_;
   const LaidDots& board_;
   const Eigen::VectorXd nominal_, sigma_;
-  const Eigen::MatrixXd posture_kernel_, wave_kernel_;
-  const double posture_log_det_, wave_log_det_;
+  std::vector<SmoothTerms> smooth_;
   Eigen::VectorXd x_;
   FieldBasis basis_;
   Eigen::MatrixXd kernel_;

@@ -89,6 +89,8 @@ void list_found_arm(Fields& fields, FoundArm& arm) {
     fields.map("deviation", [&] { list_deviation(fields, arm.form.posture, terms.deviation); });
   if (fields.given("scatter_mm", arm.scatter_m > 0.0))
     fields.number("scatter_mm", arm.scatter_m, kMillimetre, Range::positive());
+  if (fields.given("wander_mm", arm.wander_m > 0.0))
+    fields.number("wander_mm", arm.wander_m, kMillimetre, Range::positive());
   arm.form.harmonics = static_cast<int>(terms.eccentricity.size());
   arm.form.ripples = static_cast<int>(terms.ripple.size());
   arm.x = terms.x();

@@ -204,7 +204,7 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
   return Revisit{
       planner_.transmission().motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
       std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_)),
-      as_found_.scatter_m()};
+      as_found_.repeatability_m()};
 }
 
 std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) {

@@ -66,12 +66,13 @@ Eigen::Matrix2Xd FoundLandings::vision_rows(const TipMeasurement& look) const {
 
 ArmLook FoundLandings::arm_look(const SeenLanding& seen) const {
   return {motors(seen.theta_c), seen.look.tip.p, vision_rows(seen.look),
-          std::hypot(seen.scatter_m, seen.look.noise_m())};
+          std::hypot(seen.scatter_m, seen.look.noise_m(), found_.wander_m)};
 }
 
 LandingPrior FoundLandings::prior_of(const Eigen::Matrix4d& covariance, double scatter_m) const {
   LandingPrior prior;
   prior.covariance = covariance;
+  prior.covariance.diagonal().head<2>().array() += found_.wander_m * found_.wander_m;
   prior.scatter_m = prior.short_scatter_m = std::max(scatter_m, kLeastScatter_m);
   prior.stray_m = stray_m_;
   return prior;

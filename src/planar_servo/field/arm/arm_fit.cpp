@@ -161,6 +161,9 @@ std::vector<std::string> arm_in_words(const JointEstimate& estimate) {
   if (model.height().wave.centers.cols() > 0)
     words.push_back(
         fmt::format("its lamps rise and fall by {:.3f} mm over the plane", mm(priors.wave_sigma)));
+  if (estimate.size.wander.centers.cols() > 0)
+    words.push_back(
+        fmt::format("its base wanders in minutes by {:.4f} mm per axis", mm(priors.wander_sigma)));
   if (estimate.size.warms) {
     const Eigen::Index warming = model.layout().warming;
     words.push_back(fmt::format("its links grew by {:.0f} and {:.0f} um/m an hour at the end",

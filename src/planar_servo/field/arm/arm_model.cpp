@@ -131,7 +131,8 @@ ArmModel::ArmModel(const ArmNominal& nominal, const ArmModelSize& size)
 ArmModel::Layout ArmModel::layout() const {
   Layout at{};
   at.warming = form_.terms();
-  at.height = at.warming + (size_.warms ? kWarmingTerms : 0);
+  at.wander = at.warming + (size_.warms ? kWarmingTerms : 0);
+  at.height = at.wander + 2 * size_.wander.centers.cols();
   at.tool = at.height + height_.terms();
   at.tracker = at.tool + kToolTerms;
   return at;
@@ -197,6 +198,10 @@ ToolPoints ArmModel::at(const PosedAt& pose, const Eigen::VectorXd& x) const {
   const Layout at = layout();
   ToolPoints seen;
   seen.tip = form_.tip(pose.motors, arm_at(pose.t_h, x));
+  const Eigen::Index nw = size_.wander.centers.cols();
+  seen.tip.p +=
+      (size_.wander.gaussians({pose.t_h, 0.0}) * x.segment(at.wander, 2 * nw).reshaped(nw, 2))
+          .transpose();
   seen.points = (rotation2d(seen.tip.phi) * tool_offsets(x, at.tool)).colwise() + seen.tip.p;
   seen.points.col(0) += tracker_error(pose.motors, seen.points.col(0), x);
   const double middle = height_.at(seen.tip.p).dot(x.segment(at.height, height_.terms()));
@@ -215,6 +220,7 @@ ArmModel::Jacobian ArmModel::jacobian(const PosedAt& pose, const Eigen::VectorXd
   const Eigen::Matrix2d R = rotation2d(now.tip.phi);
   const ArmForm::Jacobian by_arm = form_.jacobian(pose.motors, arm_at(pose.t_h, x));
   const Eigen::RowVectorXd by_height = height_.at(now.tip.p);
+  const Eigen::RowVectorXd by_time = size_.wander.gaussians({pose.t_h, 0.0});
   Jacobian J = Jacobian::Zero(6, terms());
   for (Eigen::Index point = 0; point < 3; ++point) {
     auto rows = J.middleRows<2>(2 * point);
@@ -226,6 +232,8 @@ ArmModel::Jacobian ArmModel::jacobian(const PosedAt& pose, const Eigen::VectorXd
       rows.middleCols<kLinksAndZeros>(at.warming) = pose.t_h * slow;
       rows.middleCols<kLinksAndZeros>(at.warming + kLinksAndZeros) = pose.t_h * pose.t_h * slow;
     }
+    rows.block(0, at.wander, 1, by_time.size()) = by_time;
+    rows.block(1, at.wander + by_time.size(), 1, by_time.size()) = by_time;
     if (point == 0) {
       rows.middleCols<2>(at.tool + 3) = R;
       rows.rightCols<kTrackerTerms>() = tracker_rows(

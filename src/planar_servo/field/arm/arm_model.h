@@ -20,6 +20,8 @@ struct ArmModelSize {
   bool warms{false};         ///< links and zeros change with time
   PostureBasis posture{};    ///< of the deviation that no other term describes
   FieldBasis wave{{}, 0.1};  ///< of the lamps' height; only its Gaussians are used
+  /// Of the base's slow motion, over (hours, 0); only its Gaussians are used.
+  FieldBasis wander{{}, 0.1};
 };
 
 /// By how much the leans of axes 1 to 3 displace the reflector, which stands above the lamps: in
@@ -104,10 +106,11 @@ struct HeightForm {
 /// over its foot f sees a lamp at height h moved by (h / H) (p - f). The tracker reads the
 /// reflector, which stands above the lamps on axes that lean, at
 /// p + shift + (turn and stretch of p) + R(psi_1) lean_2 + R(psi_2) lean_3. Warming changes links
-/// and zeros x by x_1 t + x_2 t^2, a share of the length for links.
-/// The unknowns x are, in this order: those of ArmForm, the warming's, the height's, separation,
-/// p_TP (2), p_TS x and y, and the tracker's: shift (2), turn, stretch along x, along y, shear,
-/// lean_2 (2) and lean_3 (2).
+/// and zeros x by x_1 t + x_2 t^2, a share of the length for links. The base wanders in time, and
+/// all points with it, by sum_j g_j(t) w_j.
+/// The unknowns x are, in this order: those of ArmForm, the warming's, the x and the y of all w_j,
+/// the height's, separation, p_TP (2), p_TS x and y, and the tracker's: shift (2), turn, stretch
+/// along x, along y, shear, lean_2 (2) and lean_3 (2).
 class ArmModel {
  public:
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
@@ -135,7 +138,7 @@ class ArmModel {
 
   /// Places of the unknowns in x.
   struct Layout {
-    Eigen::Index warming, height, tool, tracker;
+    Eigen::Index warming, wander, height, tool, tracker;
   };
   Layout layout() const;
 
