@@ -119,7 +119,7 @@ Outcome jog(const Options& options) {
     }
     session.execute(line);
     while (typed.at_terminal() && verb_of(line) == "focus" && !typed.is_there() && !interrupted())
-      status.show(console.execute(line).text + "; Enter ends this");
+      status.show("Enter ends this: " + console.execute(line).text);
     status.wipe();
     typed.forget();
   }

@@ -60,12 +60,10 @@ exec 3>keys
 on_screen "quit .* end the program"
 printf 'enable\n' >&3
 on_screen "the drives are on"
-printf 'go b\n' >&3
-on_screen "Enter stops the arm"
-printf '\n' >&3
+printf 'go b\n\n' >&3
 on_screen "stopped as asked; joints"
 printf 'go a\n' >&3
-on_screen "moved to a, .* by the links"
+on_screen "Enter stops the arm.*moved to a, .* by the links"
 printf 'focus\n' >&3
 on_screen "Enter ends this"
 printf '\n' >&3

@@ -88,7 +88,7 @@ std::vector<SearchedPrior> searched_priors(const TuningProblem& problem) {
                                  {&JointPriors::tool_sigma, 1e-5, 1e-8, 3e-3},
                                  {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3}});
   if (problem.trust == ArmTrust::kFound && basis_over_time(problem.samples).centers.cols() > 0)
-    priors.push_back({&JointPriors::wander_sigma, 1e-6, 1e-8, 1e-3});
+    priors.push_back({&JointPriors::wander_sigma, 5e-6, 1e-8, 1e-3});
   if (!problem.board.lays.empty()) priors.push_back({&JointPriors::dot_factor, 1.0, 0.5, 30.0});
   return priors;
 }
