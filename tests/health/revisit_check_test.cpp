@@ -1,6 +1,7 @@
 #include "planar_servo/health/revisit_check.h"
 
 #include <catch2/catch.hpp>
+#include <random>
 
 #include "sample_arm.h"
 
@@ -123,6 +124,30 @@ TEST_CASE(
   }
   CHECK(found <= 2);
   CHECK(found_unknown >= 198);
+}
+
+TEST_CASE("A base that moves is no finding where that is known, all places of a check alike") {
+  constexpr double kWander_m = 8e-6;
+  int found = 0, found_unknown = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    auto revisits = visit_twice(seed, Numbers::Zero());
+    std::mt19937 random(seed);
+    std::normal_distribution<double> base(0.0, kWander_m);
+    const auto move = [&](LampPlaces& lamps_B, const Eigen::Vector2d& by_m) {
+      for (Eigen::Vector2d& lamp : lamps_B) lamp += by_m;
+    };
+    const Eigen::Vector2d now_m(base(random), base(random));
+    for (Revisit& revisit : revisits) {
+      revisit.wander_m = kWander_m;
+      move(revisit.then_B, {base(random), base(random)});
+      move(revisit.now_B, now_m);
+    }
+    found += find_changes(test::filed_cell(), revisits).empty() ? 0 : 1;
+    for (Revisit& revisit : revisits) revisit.wander_m = 0.0;
+    found_unknown += find_changes(test::filed_cell(), revisits).empty() ? 0 : 1;
+  }
+  CHECK(found <= 2);
+  CHECK(found_unknown >= 100);
 }
 
 TEST_CASE("A camera raised by 2 mm is found through an arm's scatter") {

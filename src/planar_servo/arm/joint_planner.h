@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <string>
 
@@ -51,11 +50,6 @@ class JointPlanner {
 
   /// Returns that arm, with the sense, the coupling and the gears of the files.
   const std::optional<FoundArm>& found() const { return found_; }
-  /// Returns by how much it lands elsewhere at another time, by scatter and the base's slow motion:
-  /// standard deviation per axis, 0 where no arm was found.
-  double repeatability_m() const {
-    return found_ ? std::hypot(found_->scatter_m, found_->wander_m) : 0.0;
-  }
   const PlanarArm& arm() const { return arm_; }
   const Transmission& transmission() const { return transmission_; }
 

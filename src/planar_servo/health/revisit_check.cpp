@@ -73,14 +73,20 @@ struct Whitened {
       const Eigen::MatrixXd warm = warmth(model, J);
       covariance = warm * warm.transpose();
     }
+    // The base stood anywhere at each place of a recording; all places of a check follow each
+    // other.
+    Eigen::MatrixX2d shift(d.size(), 2);
     for (std::size_t i = 0; i < revisits.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(kCoordinates * i);
-      const double scattered = 2.0 * revisits[i].scatter_m * revisits[i].scatter_m;
+      const auto& [scatter_m, wander_m] = std::pair(revisits[i].scatter_m, revisits[i].wander_m);
+      const double scattered = 2.0 * scatter_m * scatter_m + wander_m * wander_m;
+      shift.middleRows<kCoordinates>(at) = wander_m * Eigen::Matrix2d::Identity().replicate<2, 1>();
       for (Eigen::Index k = 0; k < kCoordinates; ++k) {
         covariance(at + k, at + k) += revisits[i].sigma_m * revisits[i].sigma_m + scattered;
         covariance(at + k, at + (k + 2) % kCoordinates) += scattered;  // the other lamp's
       }
     }
+    covariance += shift * shift.transpose();
     const Eigen::MatrixXd L = *lower_factor(covariance);
     J = solve_lower(L, std::move(J));
     d = solve_lower(L, d);

@@ -15,6 +15,7 @@ struct Revisit {
   LampPlaces then_B, now_B;               ///< of the same lamps, uncompensated
   double sigma_m{5e-6};                   ///< of each coordinate of their difference
   double scatter_m{0.0};                  ///< by which a stop of the arm misses at random, per axis
+  double wander_m{0.0};                   ///< by which the arm's base moves slowly, per axis
 };
 
 /// The cost at the end point from which a change is a finding, metres.
@@ -23,7 +24,7 @@ constexpr double kHarmless_m = 10e-6;
 /// Finds what has changed since the calibration. The displacement by each cause, to first order, is
 /// fitted to the differences by least squares; the one that explains them best for its count of
 /// numbers is returned, and a second one where the two are as likely as 20 to 1. Nothing is
-/// returned for differences that noise, the arm's scatter and its warmth explain in one of 1,000
+/// returned for differences that noise, the arm's scatter, motion and warmth explain in one of 1,000
 /// sound cells, and for changes that cost less than kHarmless_m. Where no single cause explains
 /// them, kSeveral is.
 std::vector<HealthFinding> find_changes(const CellModel& model,

@@ -202,9 +202,12 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
   if (!seen.ok()) return without_size(Cause::kNotSeen, place.id + ": " + seen.word);
   const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
   return Revisit{
-      planner_.transmission().motors_from_joints(place.theta), place.lamps_B, seen.lamps_B,
+      planner_.transmission().motors_from_joints(place.theta),
+      place.lamps_B,
+      seen.lamps_B,
       std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_)),
-      as_found_.repeatability_m()};
+      as_found_.found() ? as_found_.found()->scatter_m : 0.0,
+      as_found_.found() ? as_found_.found()->wander_m : 0.0};
 }
 
 std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) {

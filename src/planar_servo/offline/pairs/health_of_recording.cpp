@@ -113,27 +113,38 @@ constexpr double kDirectionSigma_m = 0.05e-3;
 
 }  // namespace
 
-Eigen::Vector2d recorded_drift(const std::vector<SeenPlace>& seen) {
+RecordedDrift recorded_drift(const std::vector<SeenPlace>& seen) {
   constexpr double kLeastFreedom = 6.0, kClearly = 5.0;  // standard deviations
   Trend trend;
-  for (const auto& visited : visits(seen)) trend.add(visited);
-  if (trend.freedom < kLeastFreedom || trend.tt == 0.0) return Eigen::Vector2d::Zero();
+  RecordedDrift drift{{0.0, 0.0}, HUGE_VAL};
+  for (const auto& visited : visits(seen)) {
+    trend.add(visited);
+    if (visited.size() > 1)
+      for (const SeenPlace* visit : visited) drift.since_s = std::min(drift.since_s, visit->t_s);
+  }
+  if (trend.freedom < kLeastFreedom || trend.tt == 0.0) return drift;
   const Eigen::Vector2d slope = trend.tr / trend.tt;
   const double left = trend.rr - trend.tt * slope.squaredNorm();
   const double sigma = std::sqrt(std::max(0.0, left) / trend.freedom / trend.tt);
-  return slope.norm() > kClearly * sigma ? slope : Eigen::Vector2d::Zero();
+  if (slope.norm() > kClearly * sigma) drift.m_per_s = slope;
+  return drift;
 }
 
 void bring_to_end(const std::vector<SeenPlace>& seen, std::vector<HealthPlace>& places) {
-  const Eigen::Vector2d drift = recorded_drift(seen);
+  const RecordedDrift drift = recorded_drift(seen);
   std::map<std::string, double> times_s;
   double end_s = -HUGE_VAL;
   for (const SeenPlace& place : seen) {
     times_s[place.place.id] = place.t_s;
     end_s = std::max(end_s, place.t_s);
   }
-  for (HealthPlace& place : places)
-    for (Eigen::Vector2d& lamp_B : place.lamps_B) lamp_B += drift * (end_s - times_s.at(place.id));
+  for (HealthPlace& place : places) {
+    const double t_s = times_s.at(place.id);
+    for (Eigen::Vector2d& lamp_B : place.lamps_B) lamp_B += drift.m_per_s * (end_s - t_s);
+    const double extended_s = std::max(0.0, drift.since_s - t_s);
+    if (drift.m_per_s.norm() > 0.0)
+      place.sigma_m = std::hypot(place.sigma_m, drift.m_per_s.norm() * extended_s);
+  }
 }
 
 std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibration& vision,

@@ -12,12 +12,19 @@
 
 namespace planar {
 
-/// Returns how fast the camera's picture drifted while a recording was made, metres per second in
-/// the base frame, by places with the same commanded joints that were visited at different times.
-/// Zero where none was or where chance explains what they show.
-Eigen::Vector2d recorded_drift(const std::vector<SeenPlace>& seen);
+/// How the lamps drifted while a recording was made, base frame.
+struct RecordedDrift {
+  Eigen::Vector2d m_per_s{0.0, 0.0};
+  double since_s{0.0};  ///< when the first of the places was seen that show it
+};
 
-/// Moves places of a recording to where they would be seen at its end.
+/// Returns how fast the lamps drifted while a recording was made, by places with the same commanded
+/// joints that were visited at different times. Zero where none was or where chance explains what
+/// they show.
+RecordedDrift recorded_drift(const std::vector<SeenPlace>& seen);
+
+/// Moves places of a recording to where they would be seen at its end. Where that extends the drift
+/// to a time before the first place that shows it, they are as uncertain as they are moved by that.
 void bring_to_end(const std::vector<SeenPlace>& seen, std::vector<HealthPlace>& places);
 
 /// Returns the places of a recording in which both lamps were located.
