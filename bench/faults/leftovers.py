@@ -28,7 +28,6 @@ RUNS = {
     "planar-servo": ["--targets", "targets.csv", "--no-health", "--accept-stale", "--accept-map", "--out", "made"],
     "planar-check-cell": [],
     "planar-record": ["--plan", "plan.csv", "--out", "made"],
-    "planar-certify": ["--accept-stale", "--accept-map", "--out", "made"],
 }
 HOMES = re.compile(r"homing: drive (\d) is home|outside (?:its|the) workspace|checking the cell|has lost its")
 JOINTS = re.compile(r"^joints (\S+) (\S+) (\S+) deg", re.MULTILINE)
@@ -55,7 +54,7 @@ class Served:
 
 
 def jog(programs, out, lines):
-    return subprocess.run([programs / "planar-jog", "-q", "--cell", out / "live.yaml"], input=lines, text=True,
+    return subprocess.run([programs / "planar-jog", "--cell", out / "live.yaml"], input=lines, text=True,
                           capture_output=True, check=False)
 
 
