@@ -31,9 +31,10 @@ RUNS = {
 }
 HOMES = re.compile(r"homing: drive (\d) is home|outside (?:its|the) workspace|checking the cell|has lost its")
 JOINTS = re.compile(r"^joints (\S+) (\S+) (\S+) deg", re.MULTILINE)
-PYTHON = """import sys, planar_servo as ps
+PYTHON = """import logging, planar_servo as ps
+logging.basicConfig(level=logging.INFO)
 with ps.Cell("live.yaml", accept_stale=True, accept_map=True, check_health=False, home={homes}) as cell:
-    print("joints", *(f"{{180 / 3.141592653589793 * joint:.3f}}" for joint in cell.joints), "deg")
+    cell.move_to((0.3, -0.2))
 """
 
 
@@ -72,8 +73,16 @@ def told(said, joints, homes, served, refusal):
 
 
 def start_run(name, programs, out, homes, _served):
-    shutil.rmtree(out / "made", ignore_errors=True)
     command = [programs / name, "--cell", "live.yaml", *RUNS[name], *(["--home"] if homes else [])]
+    return judged_run(command, out, homes)
+
+
+def start_python(_programs, out, homes, _served):
+    return judged_run(["/usr/bin/python3", "-c", PYTHON.format(homes=homes)], out, homes)
+
+
+def judged_run(command, out, homes):
+    shutil.rmtree(out / "made", ignore_errors=True)
     with subprocess.Popen(command, cwd=out, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                           stderr=subprocess.PIPE) as process:
         said = ""
@@ -83,7 +92,7 @@ def start_run(name, programs, out, homes, _served):
                 process.send_signal(signal.SIGINT)
         status = process.wait(60)
     if not homes:
-        return "refused" if status == 1 and "lost their position: 1 2 3; start with --home" in said else said
+        return "refused" if status == 1 and re.search("lost their position: 1 2 3; start with (--home|home=True)", said) else said
     return "homed" if HOMES.findall(said)[:3] == ["1", "2", "3"] else said
 
 
@@ -91,13 +100,6 @@ def start_jog(programs, out, homes, served):
     ended = jog(programs, out, "enable\nhome\nwhere\n" if homes else "enable\nwhere\njoint 1 1\ngo a\n")
     where = JOINTS.search(ended.stdout)
     return told(ended.stderr, where and where.groups(), homes, served, "drives do not know where they stand")
-
-
-def start_python(_programs, out, homes, served):
-    ended = subprocess.run(["/usr/bin/python3", "-c", PYTHON.format(homes=homes)], cwd=out, text=True, capture_output=True,
-                           check=False)
-    where = JOINTS.search(ended.stdout)
-    return told(ended.stderr, where and where.groups(), homes, served, "lost their position: 1 2 3")
 
 
 def start_console(programs, out, homes, served):
