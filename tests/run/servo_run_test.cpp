@@ -1,6 +1,10 @@
 #include "planar_servo/run/servo_run.h"
 
+#include <array>
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <random>
+#include <string>
 
 #include "planar_servo/core/error.h"
 #include "planar_servo/core/units.h"
@@ -128,6 +132,66 @@ ServoRequest ideal_request(const test::TemporaryFolder& folder) {
   return request;
 }
 
+/// Begins a run and moves to a target; what fails ends the run.
+void run_to_a(const ServoRequest& request, CellDevices& devices) {
+  ServoRun(request, devices).move_to({"a", {0.3, 0.2}, std::nullopt});
+}
+
+/// Drives that count from anywhere, and a camera without a frame.
+class LeftCell final : public CellDevices {
+ public:
+  explicit LeftCell(std::mt19937& random) {
+    std::uniform_int_distribution<std::int32_t> left(-3000000, 3000000);
+    for (test::MockPulseDrive& drive : motors) {
+      drive.set_position(left(random));
+      drive.knows_position = false;
+    }
+  }
+
+  std::array<test::MockPulseDrive, 3> motors{
+      test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
+
+  Clock& clock() override { return clock_; }
+  FrameSource& camera() override { return lost_; }
+  DriveGroup& drives() override { return drives_; }
+  Tracker& tracker() override { throw WorkError("no tracker"); }
+  BoardPresenter* board_presenter() override { return nullptr; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
+
+ private:
+  test::ManualClock clock_;
+  FlakyDrive unused_{clock_};
+  LostCamera lost_{unused_};
+  SeparateDrives drives_{{&motors[0], &motors[1], &motors[2]}};
+};
+
+TEST_CASE("Whatever a board counts, its drives home before anything is planned, or nothing moves") {
+  const test::TemporaryFolder folder;
+  std::mt19937 random(37);
+  ServoRequest request = ideal_request(folder);
+  for (MotorDrive& drive : request.cell.transmission.drives)
+    drive.home = HomeReference::kReverseSwitch;
+  for (int start = 0; start < 200; ++start) {
+    LeftCell devices(random);
+    const bool allowed = start % 2 == 0;
+    request.check_health = start % 4 < 2;
+    request.may_home = [&](Homing /*way*/, const std::string& unhomed) {
+      CHECK(unhomed == "drives that have lost their position: 1 2 3");
+      for (const test::MockPulseDrive& drive : devices.motors) CHECK(drive.targets.empty());
+      return allowed;
+    };
+    const std::string ended = !allowed               ? "start with --home"
+                              : request.check_health ? "the camera gave no picture"
+                                                     : "not back within 60 s";
+    CHECK_THROWS_WITH(run_to_a(request, devices), Catch::Contains(ended));
+    for (const test::MockPulseDrive& drive : devices.motors) {
+      CHECK(drive.targets.empty() != allowed);
+      if (allowed) CHECK(drive.targets.front() == -test::MockPulseDrive::kSwitch_pulses);
+    }
+    std::filesystem::remove_all(request.out);
+  }
+}
+
 TEST_CASE("A drive is waited for three times on the way to a target, whatever the camera does") {
   const test::TemporaryFolder folder;
   FlakyCell devices;
@@ -138,11 +202,6 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
   CHECK(devices.lost.asked == 1);
   CHECK(devices.flaky.failures == 4);
   CHECK_FALSE(run.has("a"));
-}
-
-/// Begins a run and moves to a target; what fails ends the run.
-void run_to_a(const ServoRequest& request, CellDevices& devices) {
-  ServoRun(request, devices).move_to({"a", {0.3, 0.2}, std::nullopt});
 }
 
 TEST_CASE("A run that fails before the arm moves to a target leaves no folder, a later one does") {

@@ -126,7 +126,7 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
   }
   if (line_.find_first_not_of(",;\t ") == std::string::npos || !remark.empty()) return false;
   if (!has_header() && line_.size() == 5 && starts_with(line_, "sep=")) {
-    takes_separator(line_[4]);
+    take_separator(line_[4]);
     return false;
   }
   if (has_header()) ++rows_;
@@ -148,11 +148,10 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
   return true;
 }
 
-bool CsvTable::takes_separator(char separator) {
-  if (std::strchr(",;\t", separator) == nullptr) return false;
+void CsvTable::take_separator(char separator) {
+  if (std::strchr(",;\t", separator) == nullptr) return;
   dialect_.separator = separator;
   dialect_.decimal_comma = dialect_.decimal_comma || separator == ';';
-  return true;
 }
 
 void CsvTable::find_separator() {
@@ -162,7 +161,7 @@ void CsvTable::find_separator() {
       return std::find(names.begin(), names.end(), column) != names.end();
     };
     if (names.size() > 1 && std::all_of(required_.begin(), required_.end(), is_ours)) {
-      takes_separator(separator);
+      take_separator(separator);
       return;
     }
   }

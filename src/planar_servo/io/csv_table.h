@@ -92,7 +92,7 @@ class CsvTable {
   void read_header();
   /// Finds out by a header what separates the columns.
   void find_separator();
-  bool takes_separator(char separator);
+  void take_separator(char separator);
   /// Returns what is said of a field that is no number.
   Refusal no_number(std::string_view column, std::string_view field) const;
   void require_columns(const std::vector<std::string>& columns) const;

@@ -313,12 +313,12 @@ std::vector<HealthFinding> CellCheck::play_now(const std::vector<HealthPlace>& p
   std::vector<HealthFinding> here = play_here(revisits);
   if (here.empty() || places.size() < 2) return here;
   const auto way = [&](const HealthPlace& place) {
-    return (place.theta - robot_.commanded_joints()).norm();
+    return allows(place) ? (place.theta - robot_.commanded_joints()).norm() : -1.0;
   };
-  const auto elsewhere = std::max_element(
-      places.begin(), places.end(),
-      [&](const HealthPlace& a, const HealthPlace& b) { return allows(b) && way(a) < way(b); });
-  if (!allows(*elsewhere)) return {};
+  const auto elsewhere =
+      std::max_element(places.begin(), places.end(),
+                       [&](const HealthPlace& a, const HealthPlace& b) { return way(a) < way(b); });
+  if (way(*elsewhere) < 0.0) return {};
   if (const auto visited = visit(*elsewhere); std::holds_alternative<HealthFinding>(visited))
     return {std::get<HealthFinding>(visited)};
   return play_here(revisits);
