@@ -1,5 +1,7 @@
 #include "planar_servo/offline/calibrate_camera.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -93,6 +95,32 @@ TEST_CASE("Points of another program must make whole views, bad lines are named"
                     Contains("10 points"));
   CHECK_THROWS_WITH(board_views_from_points(folder.write("p.txt", "1 2\n1 x\n1 2 3\n"), board, {}),
                     Contains("p.txt:2:") && Contains("p.txt:3:"));
+}
+
+TEST_CASE("Points in another order are told from those of another grid") {
+  const test::TemporaryFolder folder;
+  const Board board{Board::Kind::kCircles, 9, 7, 0.03};
+  const auto lines = [](const auto& number_of) {  // of the point in each column and row of a view
+    std::vector<std::string> points(63);
+    for (int row = 0; row < 7; ++row)
+      for (int column = 0; column < 9; ++column) {
+        const double depth = 1.0 + 0.02 * column + 0.01 * row;
+        points[static_cast<std::size_t>(number_of(column, row))] =
+            fmt::format("{} {}\n", (100.0 + 60.0 * column + 5.0 * row) / depth,
+                        (80.0 - 4.0 * column + 55.0 * row) / depth);
+      }
+    return fmt::format("{}", fmt::join(points, ""));
+  };
+  const auto read = [&](const auto& number_of) {
+    return board_views_from_points(folder.write("p.txt", lines(number_of)), board, {});
+  };
+  CHECK_NOTHROW(read([](int column, int row) { return 9 * row + column; }));
+  CHECK_NOTHROW(read([](int column, int row) { return 9 * (6 - row) + 8 - column; }));
+  CHECK_THROWS_WITH(read([](int column, int row) { return 7 * column + row; }),
+                    Contains("view 1 is listed column by column") && Contains("7 x 9"));
+  CHECK_THROWS_WITH(
+      read([](int column, int row) { return 9 * row + (row % 2 == 0 ? column : 8 - column); }),
+      Contains("no picture of 9 x 7 points listed row by row"));
 }
 
 TEST_CASE("The published chessboard points give the published camera within its uncertainty") {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "planar_servo/calibration/view_choice.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/io/status_line.h"
 #include "planar_servo/tables/recording_tables.h"
@@ -119,6 +120,32 @@ BoardViews find_board_views(const std::vector<std::filesystem::path>& images, co
   return views;
 }
 
+namespace {
+
+/// Throws InputError for the points of a view that are not the picture of a grid, row by row.
+void require_row_by_row(const Board& board, const std::vector<Eigen::Vector2d>& pixels,
+                        const std::string& view, const std::filesystem::path& points) {
+  constexpr double kMostSteps = 1.0;
+  const double off_steps = off_grid_steps(board, pixels);
+  if (off_steps < kMostSteps) return;
+  Board turned = board;
+  std::swap(turned.columns, turned.rows);
+  const bool by_columns = off_grid_steps(turned, pixels) < kMostSteps;
+  throw InputError(
+      {by_columns
+           ? fmt::format("{} is listed column by column", view)
+           : fmt::format("{} is no picture of {} x {} points listed row by row: they miss one "
+                         "by {:.1f} steps (rms)",
+                         view, board.columns, board.rows, off_steps),
+       by_columns ? fmt::format("list it row by row, or name the grid {} x {}", turned.columns,
+                                turned.rows)
+                  : "list every row from the same side, all views alike, and check the counts in "
+                    "--grid",
+       points});
+}
+
+}  // namespace
+
 BoardViews board_views_from_points(const std::filesystem::path& points, const Board& board,
                                    cv::Size size_px) {
   const std::vector<Eigen::Vector2d> pixels = read_board_pixels(points);
@@ -135,10 +162,10 @@ BoardViews board_views_from_points(const std::filesystem::path& points, const Bo
   views.problem.height_px = size_px.height;
   for (std::size_t begin = 0; begin < pixels.size(); begin += per_view) {
     const auto first = pixels.begin() + static_cast<std::ptrdiff_t>(begin);
-    views.problem.views.push_back({fmt::format("view {}", begin / per_view + 1),
-                                   board_points(board),
-                                   {first, first + static_cast<std::ptrdiff_t>(per_view)},
-                                   {}});
+    const std::string view = fmt::format("view {}", begin / per_view + 1);
+    const std::vector<Eigen::Vector2d> seen(first, first + static_cast<std::ptrdiff_t>(per_view));
+    require_row_by_row(board, seen, view, points);
+    views.problem.views.push_back({view, board_points(board), seen, {}});
   }
   return views;
 }
