@@ -25,6 +25,7 @@ TEST_CASE("An arm as its files say it is predicts the points of its tool by plai
 /// Everything that a model may have, about postures and places that a cell's arm takes.
 ArmModelSize whole_size(std::mt19937& random, const ArmNominal& files) {
   std::vector<Joints> postures;
+  postures.reserve(30);
   for (int i = 0; i < 30; ++i)
     postures.emplace_back(files.joints_per_motor * test::BentCell::random_motors(random));
   ArmModelSize size;

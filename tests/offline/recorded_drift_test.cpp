@@ -8,7 +8,8 @@ namespace planar {
 namespace {
 
 constexpr double kNoise_m = 2e-6;
-const Eigen::Vector2d kDrift_m_per_s(15e-9, -8e-9);
+/// Metres per second.
+const Eigen::Vector2d kDrift(15e-9, -8e-9);
 
 /// Twenty places in a row, so many times, 1.5 s each, under a camera that drifts.
 std::vector<SeenPlace> rounds(int count, const Eigen::Vector2d& drift) {
@@ -29,28 +30,28 @@ std::vector<SeenPlace> rounds(int count, const Eigen::Vector2d& drift) {
 }
 
 TEST_CASE("Places that were visited again tell how the camera drifted") {
-  const Eigen::Vector2d found = recorded_drift(rounds(10, kDrift_m_per_s)).m_per_s;
-  CHECK((found - kDrift_m_per_s).norm() < 0.1 * kDrift_m_per_s.norm());
+  const Eigen::Vector2d found = recorded_drift(rounds(10, kDrift)).m_per_s;
+  CHECK((found - kDrift).norm() < 0.1 * kDrift.norm());
 }
 
 TEST_CASE("No drift is found without a second visit, nor in noise") {
-  CHECK(recorded_drift(rounds(1, kDrift_m_per_s)).m_per_s.norm() == 0.0);
+  CHECK(recorded_drift(rounds(1, kDrift)).m_per_s.norm() == 0.0);
   CHECK(recorded_drift(rounds(10, {0.0, 0.0})).m_per_s.norm() == 0.0);
   CHECK(recorded_drift({}).m_per_s.norm() == 0.0);
 }
 
 TEST_CASE("Places that are kept are brought to the end of the recording") {
-  const std::vector<SeenPlace> seen = rounds(10, kDrift_m_per_s);
+  const std::vector<SeenPlace> seen = rounds(10, kDrift);
   std::vector<HealthPlace> kept{seen[4].place};
   bring_to_end(seen, kept);
   const Eigen::Vector2d moved = kept[0].lamps_B[0] - seen[4].place.lamps_B[0];
   const double later_s = seen.back().t_s - seen[4].t_s;
-  CHECK((moved - later_s * kDrift_m_per_s).norm() < 0.1 * later_s * kDrift_m_per_s.norm());
+  CHECK((moved - later_s * kDrift).norm() < 0.1 * later_s * kDrift.norm());
   CHECK(kept[0].sigma_m == seen[4].place.sigma_m);
 }
 
 TEST_CASE("A drift that is seen in the last third is a guess before, and the places say so") {
-  const Eigen::Vector2d fast = 10.0 * kDrift_m_per_s;
+  const Eigen::Vector2d fast = 10.0 * kDrift;
   std::vector<SeenPlace> seen = rounds(10, fast);
   for (std::size_t i = 0; i < 120; ++i)
     seen[i].place.theta[1] = 0.6 + 1e-3 * static_cast<double>(i);

@@ -24,9 +24,9 @@ constexpr double kHarmless_m = 10e-6;
 /// Finds what has changed since the calibration. The displacement by each cause, to first order, is
 /// fitted to the differences by least squares; the one that explains them best for its count of
 /// numbers is returned, and a second one where the two are as likely as 20 to 1. Nothing is
-/// returned for differences that noise, the arm's scatter, motion and warmth explain in one of 1,000
-/// sound cells, and for changes that cost less than kHarmless_m. Where no single cause explains
-/// them, kSeveral is.
+/// returned for differences that noise, the arm's scatter, motion and warmth explain in one of
+/// 1,000 sound cells, and for changes that cost less than kHarmless_m. Where no single cause
+/// explains them, kSeveral is.
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits);
 

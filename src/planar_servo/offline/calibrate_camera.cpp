@@ -102,6 +102,7 @@ cv::Size size_around(const std::vector<Eigen::Vector2d>& pixels) {
 BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board) {
   const std::vector<Picture> pictures = pictures_of(images);
   std::vector<std::filesystem::path> files;
+  files.reserve(pictures.size());
   for (const Picture& picture : pictures) files.push_back(picture.path);
   const PictureSet set(files);
   ProgressBar progress("boards");

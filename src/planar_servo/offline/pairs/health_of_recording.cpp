@@ -30,6 +30,7 @@ std::vector<std::vector<const SeenPlace*>> visits(const std::vector<SeenPlace>& 
     by_joints[{step(0), step(1), step(2)}].push_back(&place);
   }
   std::vector<std::vector<const SeenPlace*>> places;
+  places.reserve(by_joints.size());
   for (auto& [joints, visited] : by_joints) places.push_back(std::move(visited));
   return places;
 }
