@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Whoever presses a key, Ctrl-C or Ctrl-\, or closes the terminal, stops the arm where it is: it knows its position and continues from there.
+# Whoever presses Enter at planar-jog, Ctrl-C or Ctrl-\, or closes the terminal, stops the arm where it is: it knows its position and continues from there.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/live_cell.sh"
 
@@ -28,7 +28,7 @@ servo || fail "$(cat said.txt)"
 grep -q '^a,.*,reached,' run/results.csv || fail "$(cat run/results.csv)"
 
 if ! command -v script >/dev/null; then
-  echo "script is not installed: keys were not tried"
+  echo "script is not installed: a terminal was not tried"
   exit 0
 fi
 # 15 deg take three seconds; a slow camera's frames come in time on a busy machine, too.
@@ -37,20 +37,20 @@ mkfifo keys
 hosted gige -- script -qec "$bin/planar-jog --cell cell/gige.yaml" /dev/null <keys >screen.txt 2>&1 &
 jog=$!
 exec 3>keys
-on_screen "Q: quit"
-printf o >&3
+on_screen "quit .* end the program"
+printf 'enable\n' >&3
 on_screen "know where they stand"
-printf ':joint 1 -15\n' >&3
+printf 'joint 1 -15\n' >&3
 sleep 0.7
-printf ' ' >&3
+printf '\n' >&3
 on_screen "stopped as asked; joints -[0-9]"
-printf ':joint 1 -1\n' >&3
-on_screen "^:*joints -[0-9]"
-printf Q >&3
+printf 'joint 1 -1\n' >&3
+on_screen "^joints -[0-9]"
+printf 'quit\n' >&3
 wait "$jog" || fail "$(cat screen.txt)"
 exec 3>&-
 cat screen.txt
 awk '/stopped as asked/ { sub(/.*joints /, ""); stopped = $1 }
-     /^:*joints/ { after = $2 }
+     /^joints/ { after = $2 }
      END { exit !(stopped < -0.1 && stopped > -14.9 && after < stopped - 0.9 && after > stopped - 1.1) }' \
   screen.txt || fail "the arm was not stopped on its way, or lost its position"
