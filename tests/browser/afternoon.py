@@ -128,8 +128,10 @@ class Afternoon:
 
     def check(self):
         self.page.click("#check")
-        self.page.wait(f"{JOB}.includes('as it was at its calibration')", 120)
-        claim("the check finds the cell as it was at its calibration", True)
+        self.page.wait(f"!({IDLE})", 30)
+        self.page.wait(IDLE, 300)  # as long as a loaded machine takes
+        found = self.page.text("#progress-text")
+        claim("the check finds the cell as it was at its calibration", "as it was at its calibration" in found, found)
 
     def lose_camera(self):
         self.served.do("camera off")

@@ -102,7 +102,11 @@ class Browser:
         """Presses the mouse's button on an element that is enabled, at a distance in pixels from its middle."""
         self.wait(f"!document.querySelector({json.dumps(selector)})?.disabled")
         element = self._element(selector)
-        self.run("arguments[0].scrollIntoView({block: 'center'})", element)
+        place, before = None, ""
+        while place != before:  # what the page still learns of the cell moves what it shows
+            before, place = place, self.run("arguments[0].scrollIntoView({block: 'center'}); "
+                                            "return JSON.stringify(arguments[0].getBoundingClientRect())", element)
+            time.sleep(0.1)
         self._act({"type": "pointerMove", "origin": element, "x": x, "y": y, "duration": 0},
                   {"type": "pointerDown", "button": 0})
 
