@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
 #include "calibration/board_image.h"
 #include "planar_servo/core/error.h"
+#include "planar_servo/core/units.h"
 #include "planar_servo/tables/recording_tables.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
@@ -121,6 +123,27 @@ TEST_CASE("Points in another order are told from those of another grid") {
   CHECK_THROWS_WITH(
       read([](int column, int row) { return 9 * row + (row % 2 == 0 ? column : 8 - column); }),
       Contains("no picture of 9 x 7 points listed row by row"));
+}
+
+TEST_CASE("Points of large and small grids in order are read, under a fisheye lens, too") {
+  const test::TemporaryFolder folder;
+  for (const auto& [columns, rows] : {std::pair(4, 3), {7, 6}, {9, 8}, {14, 10}, {24, 17}}) {
+    const Board board{Board::Kind::kCircles, columns, rows, 0.03};
+    const double height = 0.5 * columns / std::tan(70.0 * kDegree);  // the edge is seen at 70 deg
+    std::string in_order, by_columns;
+    const auto point = [&, columns = columns, rows = rows](int column, int row) {
+      const Eigen::Vector2d p(column - 0.5 * (columns - 1), row - 0.5 * (rows - 1));
+      const Eigen::Vector2d seen = 300.0 * std::atan(p.norm() / height) * p.normalized();
+      return fmt::format("{} {}\n", 640.0 + seen.x(), 480.0 + seen.y());
+    };
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) in_order += point(column, row);
+    for (int column = 0; column < columns; ++column)
+      for (int row = 0; row < rows; ++row) by_columns += point(column, row);
+    CHECK_NOTHROW(board_views_from_points(folder.write("p.txt", in_order), board, {}));
+    CHECK_THROWS_WITH(board_views_from_points(folder.write("p.txt", by_columns), board, {}),
+                      Contains("view 1 is listed column by column"));
+  }
 }
 
 TEST_CASE("The published chessboard points give the published camera within its uncertainty") {

@@ -87,7 +87,7 @@ cv::Rect2d corner_of_picture(PictureCorner corner, const cv::Size& picture_px) {
           size.y};
 }
 
-double off_grid_steps(const Board& board, const std::vector<Eigen::Vector2d>& pixels) {
+double off_grid_share(const Board& board, const std::vector<Eigen::Vector2d>& pixels) {
   const auto H = board_homography(board, pixels);
   if (!H) return 0.0;
   std::vector<Eigen::Vector2d> on_grid;
@@ -95,10 +95,7 @@ double off_grid_steps(const Board& board, const std::vector<Eigen::Vector2d>& pi
     on_grid.push_back((*H * place.cast<double>().homogeneous()).hnormalized());
   Eigen::Vector2d middle(0.0, 0.0);
   for (const Eigen::Vector2d& pixel : pixels) middle += pixel / static_cast<double>(pixels.size());
-  // Points spread evenly over a length deviate by its twelfth part, squared, from their middle.
-  const double spread_px = distance_px(pixels, std::vector(pixels.size(), middle));
-  const double spread_steps = std::sqrt(board_extent(board).squaredNorm() / 12.0);
-  return distance_px(on_grid, pixels) * spread_steps / spread_px;
+  return distance_px(on_grid, pixels) / distance_px(pixels, std::vector(pixels.size(), middle));
 }
 
 double wrap_to_period(double angle, double period) {

@@ -69,10 +69,10 @@ std::optional<BoardStance> board_stance(const Board& board,
                                         const std::vector<Eigen::Vector2d>& pixels,
                                         const cv::Size& picture_px);
 
-/// Returns how far a board's points in a picture are from those of a plane grid, rms in steps of
-/// that grid. A lens bends it by tenths of a step; points in another order miss by whole ones. Zero
-/// where they lie on a line.
-double off_grid_steps(const Board& board, const std::vector<Eigen::Vector2d>& pixels);
+/// Returns how far a board's points in a picture are from those of a plane grid, rms, as a share of
+/// their spread. A fisheye lens that sees 150 degrees bends a grid by a quarter of it; points in
+/// another order miss by most of it. Zero where they lie on a line.
+double off_grid_share(const Board& board, const std::vector<Eigen::Vector2d>& pixels);
 
 /// Returns the angle in (-period/2, period/2] that differs from `angle` by whole periods.
 double wrap_to_period(double angle, double period);

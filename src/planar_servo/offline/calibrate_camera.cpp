@@ -126,22 +126,21 @@ namespace {
 /// Throws InputError for the points of a view that are not the picture of a grid, row by row.
 void require_row_by_row(const Board& board, const std::vector<Eigen::Vector2d>& pixels,
                         const std::string& view, const std::filesystem::path& points) {
-  constexpr double kMostSteps = 1.0;
-  const double off_steps = off_grid_steps(board, pixels);
-  if (off_steps < kMostSteps) return;
+  constexpr double kMostShare = 0.5;  // between what lenses do and what another order does
+  const double share = off_grid_share(board, pixels);
+  if (share < kMostShare) return;
   Board turned = board;
   std::swap(turned.columns, turned.rows);
-  const bool by_columns = off_grid_steps(turned, pixels) < kMostSteps;
+  if (off_grid_share(turned, pixels) < kMostShare)
+    throw InputError(
+        {fmt::format("{} is listed column by column", view),
+         fmt::format("list it row by row, or name the grid {} x {}", turned.columns, turned.rows),
+         points});
   throw InputError(
-      {by_columns
-           ? fmt::format("{} is listed column by column", view)
-           : fmt::format("{} is no picture of {} x {} points listed row by row: they miss one "
-                         "by {:.1f} steps (rms)",
-                         view, board.columns, board.rows, off_steps),
-       by_columns ? fmt::format("list it row by row, or name the grid {} x {}", turned.columns,
-                                turned.rows)
-                  : "list every row from the same side, all views alike, and check the counts in "
-                    "--grid",
+      {fmt::format("{} is no picture of {} x {} points listed row by row: they miss one by {:.0f} "
+                   "% of their spread (rms)",
+                   view, board.columns, board.rows, 100.0 * share),
+       "list every row from the same side, all views alike, and check the counts in --grid",
        points});
 }
 
