@@ -18,7 +18,6 @@ import sys
 import tempfile
 import threading
 import time
-import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/support"))
 from served_console import ServedConsole
@@ -31,19 +30,6 @@ PLACES = [(150, 250), (-200, 300), (250, 100), (0, 350), (-300, 50), (100, 400)]
 
 
 class Served(ServedConsole):
-    def __init__(self, program, cell):
-        super().__init__(program, cell)
-        self.headers = {"Authorization": f"Bearer {self.token['operate']}", "X-Planar-Client": "0123456789abcdef"}
-
-    def request(self, path, body=None):
-        data = None if body is None else json.dumps(body).encode()
-        headers = self.headers | ({} if body is None else {"Content-Type": "application/json"})
-        return urllib.request.urlopen(urllib.request.Request(self.origin + path, data, headers), timeout=60)
-
-    def ask(self, path, body=None):
-        with self.request(path, body) as answer:
-            return json.load(answer)
-
     def processor_s(self):
         fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -17,7 +17,6 @@ import subprocess
 import sys
 import time
 import urllib.error
-import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/support"))
 from served_console import ServedConsole
@@ -104,28 +103,19 @@ def start_jog(programs, out, homes, served):
 
 def start_console(programs, out, homes, served):
     with ServedConsole(programs / "planar-console", out / "live.yaml") as console:
-        def ask(path, body=None):
-            sent = {"Authorization": f"Bearer {console.token['operate']}", "X-Planar-Client": "1" * 16, "X-Planar-Stops": "0",
-                    "Content-Type": "application/json"}
-            data = json.dumps(body).encode() if body is not None else None
+        def answer(path, body):
             try:
-                with urllib.request.urlopen(urllib.request.Request(console.origin + path, data, sent), timeout=60) as answer:
-                    return json.load(answer)
+                return console.ask(path, body)
             except urllib.error.HTTPError as error:
                 return json.load(error)
 
-        def rested():
-            while (state := ask("/api/state"))["doing"] != "idle":
-                time.sleep(0.02)
-            return state["arm"]
-
-        said = [ask("/api/command", {"line": line}) for line in ["enable"] if not rested()["enabled"]]
-        rested()
+        said = [answer("/api/command", {"line": "enable"})]
+        console.rests()
         if homes:
-            said.append(ask("/api/command", {"line": "home"}))
+            said.append(answer("/api/command", {"line": "home"}))
         else:
-            said += [ask("/api/go", {"x_mm": 300, "y_mm": -200}), ask("/api/jog", {"line": "joint 1 1"})]
-        arm = rested()
+            said += [answer("/api/go", {"x_mm": 300, "y_mm": -200}), answer("/api/jog", {"line": "joint 1 1"})]
+        arm = console.rests()["arm"]
         return told(json.dumps([said, arm]), arm["joints_deg"], homes, served, "the arm cannot move yet")
 
 

@@ -1,6 +1,5 @@
 #include "planar_servo/jog/jog_console.h"
 
-#include <array>
 #include <catch2/catch.hpp>
 #include <limits>
 
@@ -9,10 +8,9 @@
 #include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/jog_bench.h"
-#include "support/manual_clock.h"
-#include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
+#include "support/unhomed_cell.h"
 
 namespace planar {
 namespace {
@@ -52,30 +50,6 @@ class FailingCamera final : public CellDevices, public FrameSource {
   std::unique_ptr<CellDevices> whole_;
 };
 
-/// A cell whose drives may have lost their positions.
-class UnhomedCell final : public CellDevices {
- public:
-  explicit UnhomedCell(const CellSettings& cell) : whole_(open_cell(cell)) {}
-
-  Clock& clock() override { return clock_; }
-  FrameSource& camera() override { return whole_->camera(); }
-  DriveGroup& drives() override { return drives_; }
-  Tracker& tracker() override { return whole_->tracker(); }
-  BoardPresenter* board_presenter() override { return nullptr; }
-  std::shared_ptr<Judge> truth() override { return nullptr; }
-
- private:
-  std::unique_ptr<CellDevices> whole_;
-  test::ManualClock clock_;
-
- public:
-  std::array<test::MockPulseDrive, 3> motors{
-      test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
-
- private:
-  SeparateDrives drives_{{&motors[0], &motors[1], &motors[2]}};
-};
-
 TEST_CASE("Before homing, and at a jog that needs it, the commands are named that lead on") {
   const test::TemporaryFolder folder;
   CellSettings cell = read_cell(test::paper_cell_file());
@@ -83,7 +57,7 @@ TEST_CASE("Before homing, and at a jog that needs it, the commands are named tha
       HomeReference::kReverseSwitch;
   cell.transmission.drives[2].home = HomeReference::kTaught;
   cell.transmission.drives[2].home_rad = 10.0 * kDegree;
-  UnhomedCell devices(cell);
+  test::UnhomedCell devices(cell);
   for (test::MockPulseDrive& motor : devices.motors) motor.knows_position = false;
   std::vector<std::string> announced;
   JogConsole console(cell, devices, folder / "t.csv", {},

@@ -1,12 +1,10 @@
 """Works a served cell through planar-console: served_console.py BIN_DIR CELL_FOLDER LIVE_FOLDER."""
-import json
 import os
 import pathlib
 import statistics
 import subprocess
 import sys
 import time
-import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
 from served_cell import DriveWire, ServedCell
@@ -22,23 +20,9 @@ def check(holds, what):
 
 
 class Console(ServedConsole):
-    def ask(self, path, body=None):
-        headers = {"Authorization": f"Bearer {self.token['operate']}", "X-Planar-Client": "1" * 16,
-                   "Content-Type": "application/json"}
-        data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self.origin + path, data, headers)
-        with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
-            return json.load(answer)
-
     def command(self, line):
         answer = self.ask("/api/command", {"line": line})
         check(answer["done"], f"{line}: {answer}")
-
-    def rests(self):
-        until = time.monotonic() + PATIENCE_S
-        while self.ask("/api/state")["doing"] != "idle":
-            check(time.monotonic() < until, "the cell does not come to rest")
-            time.sleep(0.02)
 
 
 def lose_jog(console, wire, line):

@@ -1,6 +1,5 @@
 #include "planar_servo/run/servo_run.h"
 
-#include <array>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <random>
@@ -18,6 +17,7 @@
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
+#include "support/unhomed_cell.h"
 
 namespace planar {
 namespace {
@@ -138,9 +138,9 @@ void run_to_a(const ServoRequest& request, CellDevices& devices) {
 }
 
 /// Drives that count from anywhere, and a camera without a frame.
-class LeftCell final : public CellDevices {
+class LeftCell final : public test::UnhomedCell {
  public:
-  explicit LeftCell(std::mt19937& random) {
+  LeftCell(const CellSettings& cell, std::mt19937& random) : UnhomedCell(cell) {
     std::uniform_int_distribution<std::int32_t> left(-3000000, 3000000);
     for (test::MockPulseDrive& drive : motors) {
       drive.set_position(left(random));
@@ -148,21 +148,11 @@ class LeftCell final : public CellDevices {
     }
   }
 
-  std::array<test::MockPulseDrive, 3> motors{
-      test::MockPulseDrive(clock_), test::MockPulseDrive(clock_), test::MockPulseDrive(clock_)};
-
-  Clock& clock() override { return clock_; }
   FrameSource& camera() override { return lost_; }
-  DriveGroup& drives() override { return drives_; }
-  Tracker& tracker() override { throw WorkError("no tracker"); }
-  BoardPresenter* board_presenter() override { return nullptr; }
-  std::shared_ptr<Judge> truth() override { return nullptr; }
 
  private:
-  test::ManualClock clock_;
-  FlakyDrive unused_{clock_};
+  FlakyDrive unused_{test::UnhomedCell::clock()};
   LostCamera lost_{unused_};
-  SeparateDrives drives_{{&motors[0], &motors[1], &motors[2]}};
 };
 
 TEST_CASE("Whatever a board counts, its drives home before anything is planned, or nothing moves") {
@@ -172,7 +162,7 @@ TEST_CASE("Whatever a board counts, its drives home before anything is planned, 
   for (MotorDrive& drive : request.cell.transmission.drives)
     drive.home = HomeReference::kReverseSwitch;
   for (int start = 0; start < 200; ++start) {
-    LeftCell devices(random);
+    LeftCell devices(request.cell, random);
     const bool allowed = start % 2 == 0;
     request.check_health = start % 4 < 2;
     request.may_home = [&](Homing /*way*/, const std::string& unhomed) {

@@ -50,6 +50,9 @@ class JointPlanner {
 
   /// Returns that arm, with the sense, the coupling and the gears of the files.
   const std::optional<FoundArm>& found() const { return found_; }
+  /// Returns its scatter, and by how much its base moves; 0 where no arm was found.
+  double scatter_m() const { return found_ ? found_->scatter_m : 0.0; }
+  double wander_m() const { return found_ ? found_->wander_m : 0.0; }
   const PlanarArm& arm() const { return arm_; }
   const Transmission& transmission() const { return transmission_; }
 

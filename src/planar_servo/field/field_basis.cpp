@@ -1,6 +1,7 @@
 #include "planar_servo/field/field_basis.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "planar_servo/core/pose.h"
 #include "planar_servo/core/units.h"
@@ -10,7 +11,7 @@ namespace {
 
 // A Gaussian process is all but reproduced by Gaussians three quarters of their width apart.
 constexpr double kSpacingOverWidth = 0.75;
-constexpr int kMostCenters = 200;
+constexpr int kMostCenters = 200, kMostInSpan = 100;
 /// Beyond the last places the centres continue a little, or the field would bend there.
 constexpr double kBeyond = 1.05;
 /// Keeps the kernel's matrix positive definite in double precision.
@@ -42,6 +43,15 @@ FieldBasis basis_over_disc(double radius, double width) {
   const int count =
       std::clamp(static_cast<int>(kPi * outer * outer / (spacing * spacing)), 1, kMostCenters);
   return {spiral_over_disc(outer, count), width, radius};
+}
+
+FieldBasis basis_over_span(double first, double last, double width) {
+  width = std::max(width, (last - first) / (kSpacingOverWidth * kMostInSpan));
+  const auto steps =
+      static_cast<Eigen::Index>(std::ceil((last - first) / (kSpacingOverWidth * width)));
+  Eigen::Matrix2Xd centers = Eigen::Matrix2Xd::Zero(2, steps + 1);
+  centers.row(0) = Eigen::RowVectorXd::LinSpaced(steps + 1, first, last);
+  return {centers, width};
 }
 
 }  // namespace planar

@@ -27,4 +27,8 @@ struct FieldBasis {
 /// Returns a basis of this width for a field over a disc about the base's axis.
 FieldBasis basis_over_disc(double radius, double width);
 
+/// Returns a basis for a function of one number, which is x of the places, over a span of it. It
+/// has this width, or a greater one where the span would take too many Gaussians.
+FieldBasis basis_over_span(double first, double last, double width);
+
 }  // namespace planar

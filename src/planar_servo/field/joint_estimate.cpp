@@ -36,7 +36,6 @@ constexpr double kPostureWidth = 0.6, kWaveWidth = 0.2;
 /// Width in time of the base's slow motion. Thermostats switch three to six times an hour, and a
 /// wave of period T is as smooth as a width of T / (2 pi).
 constexpr double kWanderWidth_h = 2.0 / 60.0;
-constexpr int kMostWander = 100;  ///< Gaussians; they are wider over a longer time
 
 /// A prior that is searched for, over its logarithm.
 struct SearchedPrior {
@@ -55,24 +54,8 @@ struct TuningProblem {
   bool lamps_seen() const { return samples.front().lamps_seen; }
 };
 
-/// Returns Gaussians over the time in which the samples were taken; none where it is too short to
-/// show a slow motion.
-FieldBasis basis_over_time(const std::vector<PoseSample>& samples) {
-  constexpr double kSpacing = 0.75;  // of the width
-  const auto [first, last] =
-      std::minmax_element(samples.begin(), samples.end(),
-                          [](const PoseSample& a, const PoseSample& b) { return a.t_h < b.t_h; });
-  const double span_h = last->t_h - first->t_h;
-  if (span_h < 4.0 * kWanderWidth_h) return {{}, kWanderWidth_h};
-  const double width_h = std::max(kWanderWidth_h, span_h / (kSpacing * kMostWander));
-  const auto n = static_cast<Eigen::Index>(std::ceil(span_h / (kSpacing * width_h))) + 1;
-  Eigen::Matrix2Xd centers = Eigen::Matrix2Xd::Zero(2, n);
-  centers.row(0) = Eigen::RowVectorXd::LinSpaced(n, first->t_h, last->t_h);
-  return {centers, width_h};
-}
-
 /// Hobby arms repeat to 0.2 mm, the best machines to some tenths of a micrometre.
-std::vector<SearchedPrior> searched_priors(const TuningProblem& problem) {
+std::vector<SearchedPrior> searched_priors(const TuningProblem& problem, const ArmModelSize& size) {
   const double radius = problem.radius;
   if (!problem.lamps_seen())
     return {{&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
@@ -87,7 +70,7 @@ std::vector<SearchedPrior> searched_priors(const TuningProblem& problem) {
     priors.insert(priors.end(), {{&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
                                  {&JointPriors::tool_sigma, 1e-5, 1e-8, 3e-3},
                                  {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3}});
-  if (problem.trust == ArmTrust::kFound && basis_over_time(problem.samples).centers.cols() > 0)
+  if (size.wander.centers.cols() > 0)
     priors.push_back({&JointPriors::wander_sigma, 5e-6, 1e-8, 1e-3});
   if (!problem.board.lays.empty()) priors.push_back({&JointPriors::dot_factor, 1.0, 0.5, 30.0});
   return priors;
@@ -112,8 +95,8 @@ JointPriors priors_at(const TuningProblem& problem, const std::vector<SearchedPr
   return priors;
 }
 
-JointPriors first_priors(const TuningProblem& problem) {
-  const auto searched = searched_priors(problem);
+JointPriors first_priors(const TuningProblem& problem, const ArmModelSize& size) {
+  const auto searched = searched_priors(problem, size);
   Logs logs;
   for (const SearchedPrior& prior : searched) logs.push_back(std::log(prior.first));
   return priors_at(problem, searched, logs);
@@ -151,7 +134,7 @@ TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const Jo
   const auto start = equations.solve_in_steps(first);
   if (!start) return {size, first, -std::numeric_limits<double>::infinity()};
   equations.linearize(*start);
-  const auto searched = searched_priors(problem);
+  const auto searched = searched_priors(problem, size);
   Logs logs, low, high;
   for (const SearchedPrior& prior : searched) {
     low.push_back(std::log(prior.low));
@@ -205,6 +188,16 @@ double radius_of(const std::vector<PoseSample>& samples) {
   return radius;
 }
 
+/// Returns Gaussians over the time in which the samples were taken; none where it is too short to
+/// show a slow motion.
+FieldBasis basis_over_time(const std::vector<PoseSample>& samples) {
+  const auto [first, last] =
+      std::minmax_element(samples.begin(), samples.end(),
+                          [](const PoseSample& a, const PoseSample& b) { return a.t_h < b.t_h; });
+  if (last->t_h - first->t_h < 4.0 * kWanderWidth_h) return {{}, kWanderWidth_h};
+  return basis_over_span(first->t_h, last->t_h, kWanderWidth_h);
+}
+
 ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                           double radius, ArmTrust trust) {
   ArmModelSize size;
@@ -229,7 +222,7 @@ ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSampl
 /// Tunes the largest model, then leaves out what makes the samples clearly less likely. The
 /// last one is the choice.
 std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelSize& largest) {
-  const JointPriors first = first_priors(problem);
+  const JointPriors first = first_priors(problem, largest);
   std::vector<TriedModel> tried{tune(problem, largest, first)};
   const auto take_likelier = [&](TriedModel other) {
     const double gain = other.log_likelihood - tried.back().log_likelihood;
@@ -421,8 +414,8 @@ JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<Pose
   const ArmModelSize largest = largest_size(estimate.nominal, samples, radius, trust);
   // Outliers are found before anything is tuned, or the tuning would make room for them.
   fit_what_agrees(ArmModel(estimate.nominal, largest),
-                  first_priors({estimate.nominal, samples, board, radius, trust}), board, radius,
-                  samples.size(), selection);
+                  first_priors({estimate.nominal, samples, board, radius, trust}, largest), board,
+                  radius, samples.size(), selection);
   const std::vector<PoseSample> part = tuning_part(selection.samples);
   estimate.tried = try_models({estimate.nominal, part, board, radius, trust}, largest);
   const TriedModel& chosen = estimate.tried.back();

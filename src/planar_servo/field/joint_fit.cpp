@@ -43,8 +43,9 @@ JointEquations::JointEquations(const ArmModel& model, const std::vector<PoseSamp
       sigma_(model.prior_sigma()) {
   const auto add = [&](Eigen::Index first, const Eigen::MatrixXd& kernel, int components,
                        double JointPriors::*sigma) {
+    const double log_det = log_det_of_kernel(kernel);
     for (int i = 0; i < components; ++i)
-      smooth_.push_back({first + i * kernel.rows(), kernel, sigma, log_det_of_kernel(kernel)});
+      smooth_.push_back({first + i * kernel.rows(), kernel, sigma, log_det});
   };
   const auto at = model.layout();
   const Eigen::MatrixXd wave = model.height().wave.kernel_matrix();

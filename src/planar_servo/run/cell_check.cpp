@@ -206,8 +206,8 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
       place.lamps_B,
       seen.lamps_B,
       std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_)),
-      as_found_.found() ? as_found_.found()->scatter_m : 0.0,
-      as_found_.found() ? as_found_.found()->wander_m : 0.0};
+      as_found_.scatter_m(),
+      as_found_.wander_m()};
 }
 
 std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) {

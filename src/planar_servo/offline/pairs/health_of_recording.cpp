@@ -117,18 +117,18 @@ constexpr double kDirectionSigma_m = 0.05e-3;
 RecordedDrift recorded_drift(const std::vector<SeenPlace>& seen) {
   constexpr double kLeastFreedom = 6.0, kClearly = 5.0;  // standard deviations
   Trend trend;
-  RecordedDrift drift{{0.0, 0.0}, HUGE_VAL};
+  double since_s = HUGE_VAL;
   for (const auto& visited : visits(seen)) {
     trend.add(visited);
     if (visited.size() > 1)
-      for (const SeenPlace* visit : visited) drift.since_s = std::min(drift.since_s, visit->t_s);
+      for (const SeenPlace* visit : visited) since_s = std::min(since_s, visit->t_s);
   }
-  if (trend.freedom < kLeastFreedom || trend.tt == 0.0) return drift;
+  if (trend.freedom < kLeastFreedom || trend.tt == 0.0) return {};
   const Eigen::Vector2d slope = trend.tr / trend.tt;
   const double left = trend.rr - trend.tt * slope.squaredNorm();
   const double sigma = std::sqrt(std::max(0.0, left) / trend.freedom / trend.tt);
-  if (slope.norm() > kClearly * sigma) drift.m_per_s = slope;
-  return drift;
+  if (slope.norm() <= kClearly * sigma) return {};
+  return {slope, since_s};
 }
 
 void bring_to_end(const std::vector<SeenPlace>& seen, std::vector<HealthPlace>& places) {
@@ -143,8 +143,7 @@ void bring_to_end(const std::vector<SeenPlace>& seen, std::vector<HealthPlace>& 
     const double t_s = times_s.at(place.id);
     for (Eigen::Vector2d& lamp_B : place.lamps_B) lamp_B += drift.m_per_s * (end_s - t_s);
     const double extended_s = std::max(0.0, drift.since_s - t_s);
-    if (drift.m_per_s.norm() > 0.0)
-      place.sigma_m = std::hypot(place.sigma_m, drift.m_per_s.norm() * extended_s);
+    place.sigma_m = std::hypot(place.sigma_m, drift.m_per_s.norm() * extended_s);
   }
 }
 
