@@ -55,10 +55,13 @@ class TypedLine {
 /// Executes commands, prints their answers and counts what was not done.
 class Session {
  public:
-  Session(JogConsole& console, StatusLine& status) : console_(console), status_(status) {}
+  Session(JogConsole& console, StatusLine& status, const TypedLine& typed)
+      : console_(console), status_(status), typed_(typed) {}
 
+  /// What was typed while the command ran is forgotten before its answer is shown.
   void execute(const std::string& line) {
     const JogConsole::Answer answer = console_.execute(line);
+    typed_.forget();
     status_.wipe();
     ++commands_;
     if (!answer.done)
@@ -88,6 +91,7 @@ class Session {
 
   JogConsole& console_;
   StatusLine& status_;
+  const TypedLine& typed_;
   std::size_t commands_{0}, refused_{0};
 };
 
@@ -110,7 +114,7 @@ Outcome jog(const Options& options) {
   JogConsole console(
       cell, *devices, options.teach, [&] { return interrupted() || typed.is_there(); },
       [&](const std::string& sentence) { status.show(sentence + "; Enter stops the arm"); });
-  Session session(console, status);
+  Session session(console, status, typed);
   if (typed.at_terminal()) say("{}\n", JogConsole::help());
   for (std::string line; !interrupted() && std::getline(std::cin, line) && !ends(line);) {
     if (std::cin.eof()) {
@@ -118,10 +122,11 @@ Outcome jog(const Options& options) {
       continue;
     }
     session.execute(line);
-    while (typed.at_terminal() && verb_of(line) == "focus" && !typed.is_there() && !interrupted())
+    if (!typed.at_terminal() || verb_of(line) != "focus") continue;
+    while (!typed.is_there() && !interrupted())
       status.show("Enter ends this: " + console.execute(line).text);
     status.wipe();
-    typed.forget();
+    if (!interrupted()) std::getline(std::cin, line);
   }
   Outcome outcome = session.outcome();
   outcome.success = outcome.success || typed.at_terminal();

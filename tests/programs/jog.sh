@@ -60,14 +60,10 @@ exec 3>keys
 on_screen "quit .* end the program"
 printf 'enable\n' >&3
 on_screen "the drives are on"
-printf 'go b\n\n' >&3
-on_screen "stopped as asked; joints"
-printf 'go a\n' >&3
-on_screen "Enter stops the arm.*moved to a, .* by the links"
+printf 'go b\n' >&3
+on_screen "Enter stops the arm.*moved to b, .* by the links"
 printf 'focus\n' >&3
 on_screen "Enter ends this"
-printf '\n' >&3
-sleep 0.5
-printf 'quit\n' >&3
+printf '\nquit\n' >&3
 wait "$jog" || fail "$(cat screen.txt)"
 exec 3>&-
