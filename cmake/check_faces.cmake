@@ -1,14 +1,12 @@
 # cmake -DSRC=the folder of the rooms -P check_faces.cmake
 # Fails when a header of the library makes its users compile what only our source files need: a
-# matrix decomposition, OpenCV beyond its matrices and rectangles, JSON, or the equations behind a
-# map. Exceptions: core/pose.h needs Eigen/Geometry, which brings decompositions of its own; a vpRobot
+# matrix decomposition, OpenCV beyond its matrices and rectangles, or JSON. Exceptions: base/core/pose.h needs Eigen/Geometry, which brings decompositions of its own; a vpRobot
 # needs ViSP's header.
 cmake_minimum_required(VERSION 3.25)
-set(library core io devices arm lens tool lamps error_map calibration cell robot servo vision files
-            machine field health tables)
+set(library base geometry lamps learn calibration hardware loop files machine)
 string(CONCAT heavy "^#include [<\"](Eigen/(Cholesky|Dense|Eigenvalues|LU|QR|SVD|Sparse.*)|"
                     "opencv2/([a-bd-z]|calib3d|core/utils).*|nlohmann/json\\.hpp|spdlog/.*|CLI/.*|"
-                    "yaml-cpp/.*|planar_servo/error_map/maps/bordered_system.*)[>\"]")
+                    "yaml-cpp/.*)[>\"]")
 set(faults "")
 
 foreach(room ${library})

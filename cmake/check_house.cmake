@@ -1,6 +1,6 @@
 # cmake -DHOUSE=the file of planar_write_house() -DSRC=the folder src -P check_house.cmake
-# Fails unless every room includes only what it links (a header only what it links publicly), no
-# folder holds more than twelve files (a header and its source count once), and no type is declared in
+# Fails unless every room includes only what it links (a header only what it links publicly) and no
+# folder what stands behind a wall of it, no folder holds more than twelve files (a header and its source count once), and no type is declared in
 # two rooms: their layouts would be mixed up at link time without a word. For the same reason every
 # test keeps its helpers in an anonymous namespace. Source files of one room name their constants and
 # types apart, because PLANAR_UNITY compiles several at once.
@@ -57,6 +57,19 @@ foreach(room ${rooms})
       endif()
       set(declared_${type} ${file})
     endforeach()
+  endforeach()
+endforeach()
+
+foreach(wall ${walls})
+  file(GLOB_RECURSE files RELATIVE ${SRC} ${SRC}/${wall}/*.h ${SRC}/${wall}/*.cpp)
+  if(NOT files)
+    string(APPEND faults "src/${wall}: stands behind a wall and has no sources\n")
+  endif()
+  foreach(file ${files})
+    file(STRINGS ${SRC}/${file} includes REGEX "^#include \"planar_servo/(${behind_${wall}})/")
+    if(includes)
+      string(APPEND faults "src/${file}: ${includes} stands behind a wall of ${wall}\n")
+    endif()
   endforeach()
 endforeach()
 

@@ -135,7 +135,14 @@ function(planar_forbid name)
   endwhile()
 endfunction()
 
-# planar_write_house(FILE): the rooms and their links, for cmake/check_house.cmake.
+# planar_wall(FOLDER OTHER...): no file in this folder of a room includes one of these folders.
+function(planar_wall folder)
+  set_property(GLOBAL APPEND PROPERTY PLANAR_WALLS ${folder})
+  string(REPLACE ";" "|" others "${ARGN}")
+  set_property(GLOBAL PROPERTY PLANAR_BEHIND_${folder} ${others})
+endfunction()
+
+# planar_write_house(FILE): the rooms, their links and walls, for cmake/check_house.cmake.
 function(planar_write_house file)
   get_property(rooms GLOBAL PROPERTY PLANAR_ROOMS)
   set(text "set(rooms ${rooms})\n")
@@ -143,6 +150,12 @@ function(planar_write_house file)
     get_property(links GLOBAL PROPERTY PLANAR_LINKS_${room})
     get_property(private_links GLOBAL PROPERTY PLANAR_PRIVATE_LINKS_${room})
     string(APPEND text "set(links_${room} ${links})\nset(private_links_${room} ${private_links})\n")
+  endforeach()
+  get_property(walls GLOBAL PROPERTY PLANAR_WALLS)
+  string(APPEND text "set(walls ${walls})\n")
+  foreach(folder ${walls})
+    get_property(others GLOBAL PROPERTY PLANAR_BEHIND_${folder})
+    string(APPEND text "set(behind_${folder} \"${others}\")\n")
   endforeach()
   file(WRITE ${file} "${text}")
 endfunction()
@@ -232,7 +245,7 @@ function(planar_gige_test name)
   add_executable(${name}_test ${TEST_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF
     CROSSCOMPILING_EMULATOR ${PROJECT_SOURCE_DIR}/tests/support/loopback_only.sh)
-  target_link_libraries(${name}_test PRIVATE planar_test_main planar_gige_guard planar_rehearsal
+  target_link_libraries(${name}_test PRIVATE planar_test_main planar_gige_guard planar_machine
                                              ${TEST_LINKS})
   planar_precompile(${name}_test planar_test_headers)
   planar_light(${name}_test)

@@ -1,6 +1,6 @@
 // Learns the error of a vision system from pairs of positions and corrects positions never seen.
-#include <planar_servo/error_map/error_map.h>
-#include <planar_servo/error_map/fit_error_map.h>
+#include <planar_servo/learn/error_map/error_map.h>
+#include <planar_servo/learn/error_map/fit_error_map.h>
 
 #include <cmath>
 #include <cstdio>

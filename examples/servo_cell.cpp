@@ -1,12 +1,11 @@
 // Positions the arm of a calibrated cell by looking at it: servo_cell CELL.yaml
 // The same program serves a virtual and a real cell; the file decides.
-#include <planar_servo/files/vision_files.h>
-#include <planar_servo/machine/cell_devices.h>
+#include <planar_servo/files/calibration_files.h>
+#include <planar_servo/hardware/robot/planar_robot.h>
+#include <planar_servo/loop/servo/position_servo.h>
+#include <planar_servo/loop/vision/lamp_tip_sensor.h>
+#include <planar_servo/loop/vision/see_tool.h>
 #include <planar_servo/machine/device_kinds.h>
-#include <planar_servo/robot/planar_robot.h>
-#include <planar_servo/servo/position_servo.h>
-#include <planar_servo/vision/lamp_tip_sensor.h>
-#include <planar_servo/vision/seen_cell.h>
 
 #include <cstdio>
 

@@ -1,10 +1,9 @@
 // ViSP's own loop on our arm: visp_servo CELL.yaml
 // Looks at the lamps with the arm at a pose, moves the arm away, and lets vpServo bring it back by
 // what the camera sees. It knows the arm as a vpRobot, and the camera no better than by eye.
+#include <planar_servo/hardware/robot/visp_robot.h>
 #include <planar_servo/lamps/lamp_tracker.h>
-#include <planar_servo/machine/cell_devices.h>
 #include <planar_servo/machine/device_kinds.h>
-#include <planar_servo/robot/visp_robot.h>
 #include <visp3/core/vpPixelMeterConversion.h>
 #include <visp3/visual_features/vpFeaturePoint.h>
 #include <visp3/vs/vpServo.h>

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar::python {
 namespace {

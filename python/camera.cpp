@@ -9,7 +9,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/files/camera_file.h"
 
 namespace planar::python {

@@ -12,15 +12,14 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/ready_cell.h"
-#include "planar_servo/run/servo_report.h"
-#include "planar_servo/run/servo_run.h"
-#include "planar_servo/servo/approach.h"
+#include "planar_servo/work/run/ready_cell.h"
+#include "planar_servo/work/run/servo_report.h"
+#include "planar_servo/work/run/servo_run.h"
 
 namespace planar::python {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/error_map.h"
+#include "planar_servo/learn/error_map/error_map.h"
 
 #include <fmt/format.h>
 #include <pybind11/functional.h>
@@ -9,12 +9,12 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/field/lamp_field.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/map_file.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
+#include "planar_servo/learn/field/lamp_field.h"
 
 namespace planar::python {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bindings.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar::python {
 namespace {

@@ -9,16 +9,16 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/checksum.h"
+#include "planar_servo/files/tables/table_columns.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/table_columns.h"
 
 namespace planar::python {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/field/lamp_field.h"
+#include "planar_servo/learn/field/lamp_field.h"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -8,10 +8,10 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 

@@ -6,12 +6,12 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/core/error.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/camera_file.h"
-#include "planar_servo/lens/lens_models.h"
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/geometry/lens/lens_models.h"
+#include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar::python {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/servo/servo_result.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/servo/servo_result.h"
 
 namespace planar::python {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "planar_servo/io/terminal.h"
+#include "planar_servo/base/io/terminal.h"
 
 namespace planar {
 namespace {

@@ -3,7 +3,7 @@
 #include <CLI/App.hpp>
 #include <array>
 
-#include "planar_servo/robot/homing.h"
+#include "planar_servo/hardware/robot/homing.h"
 
 namespace planar {
 

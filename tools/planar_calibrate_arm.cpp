@@ -1,6 +1,6 @@
-#include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/learn/field/arm/arm_fit.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "program.h"

@@ -1,9 +1,9 @@
 
 #include <regex>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/camera_file.h"
-#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/calibrate_camera.h"
 #include "planar_servo/offline/calibration_page.h"
 #include "program.h"

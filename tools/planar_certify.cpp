@@ -2,9 +2,9 @@
 #include <spdlog/spdlog.h>
 
 #include "homing_options.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/terminal.h"
 #include "planar_servo/certificate/certificate_report.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/status_line.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "program.h"
 

@@ -2,9 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "homing_options.h"
-#include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/cell_check.h"
+#include "planar_servo/work/run/cell_check.h"
 #include "program.h"
 
 namespace planar {

@@ -1,11 +1,11 @@
 
 #include <utility>
 
-#include "planar_servo/core/plan.h"
+#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/status_line.h"
-#include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "program.h"
 
 namespace planar {

@@ -5,12 +5,12 @@
 #include <string>
 #include <utility>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/doctor/doctor.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/checksum.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/checksum.h"
+#include "planar_servo/console/doctor/doctor.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/check_ways.h"
+#include "planar_servo/work/run/check_ways.h"
 #include "program.h"
 
 namespace planar {

@@ -16,14 +16,14 @@
 #include <vector>
 
 #include "homing_options.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/campaign.h"
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
-#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/plan/experiment_plan.h"
+#include "planar_servo/offline/plan/experiment_plan.h"
 #include "program.h"
 
 namespace planar {

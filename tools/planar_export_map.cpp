@@ -1,8 +1,8 @@
 #include <CLI/CLI.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/export_map.h"
 #include "program.h"

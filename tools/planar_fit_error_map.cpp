@@ -3,14 +3,14 @@
 #include <optional>
 #include <utility>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/error_map/compare_methods.h"
-#include "planar_servo/error_map/fit/pair_checks.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/terminal.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/status_line.h"
+#include "planar_servo/learn/error_map/compare_methods.h"
+#include "planar_servo/learn/error_map/fit/pair_checks.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"

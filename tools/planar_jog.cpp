@@ -6,9 +6,9 @@
 #include <iostream>
 #include <sstream>
 
-#include "planar_servo/io/status_line.h"
-#include "planar_servo/jog/jog_console.h"
+#include "planar_servo/base/io/terminal.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/jog/jog_console.h"
 #include "program.h"
 
 namespace planar {

@@ -3,15 +3,15 @@
 
 #include <filesystem>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/status_line.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/terminal.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/lamps_report.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/offline/pairs/pair_files.h"
-#include "planar_servo/tables/lamp_table.h"
 #include "program.h"
 
 namespace planar {

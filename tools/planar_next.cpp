@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/doctor/next_step.h"
+#include "planar_servo/console/doctor/next_step.h"
 #include "program.h"
 
 namespace planar {

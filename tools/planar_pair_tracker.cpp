@@ -3,19 +3,17 @@
 
 #include <optional>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
-#include "planar_servo/tables/tracker_table.h"
 #include "program.h"
 
 namespace planar {

@@ -1,11 +1,11 @@
 
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/plan/proposed_plan.h"
+#include "planar_servo/offline/plan/proposed_plan.h"
 #include "program.h"
 
 namespace planar {

@@ -2,9 +2,9 @@
 #include <spdlog/spdlog.h>
 
 #include "homing_options.h"
+#include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/record/recorder.h"
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/work/record/recorder.h"
 #include "program.h"
 
 namespace planar {

@@ -16,8 +16,8 @@
 #include "commands.h"
 #include "completion.h"
 #include "man_page.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "program.h"
 
 namespace planar {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "planar_servo/core/text.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/report/report_list.h"
 
 namespace planar {

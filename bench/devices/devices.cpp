@@ -14,15 +14,15 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/cameras/aravis_camera.h"
-#include "planar_servo/core/clock.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/hardware/cameras/aravis_camera.h"
+#include "planar_servo/loop/servo/position_servo.h"
+#include "planar_servo/loop/vision/lamp_tip_sensor.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/rehearsal/served_cell.h"
-#include "planar_servo/servo/control_law.h"
-#include "planar_servo/vision/lamp_tip_sensor.h"
+#include "planar_servo/machine/rehearsal/served_cell.h"
 
 namespace planar {
 namespace {

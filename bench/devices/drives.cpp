@@ -11,9 +11,9 @@
 #include <optional>
 #include <thread>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/drives/tic_drives.h"
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/hardware/drives/tic_drives.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
 #include "support/tic_bench.h"
 
 namespace planar {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "planar_servo/core/clock.h"
+#include "planar_servo/base/core/clock.h"
 #include "support/emulated_tic.h"
 #include "support/mock_usb.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar::bench {
 namespace {

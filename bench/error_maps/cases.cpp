@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "support/error_fields.h"
 
 namespace planar::bench {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/error_sample.h"
+#include "planar_servo/learn/error_map/error_sample.h"
 
 namespace planar::bench {
 

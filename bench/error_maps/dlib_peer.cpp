@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "planar_servo/error_map/error_sample.h"
+#include "planar_servo/learn/error_map/error_sample.h"
 
 namespace planar::bench {
 

@@ -12,8 +12,8 @@
 
 #include "alglib_peer.h"
 #include "cases.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 
 namespace planar::bench {

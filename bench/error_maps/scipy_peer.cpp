@@ -8,8 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "support/error_fields.h"
 
 namespace planar::bench {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "peer.h"
-#include "planar_servo/error_map/error_sample.h"
+#include "planar_servo/learn/error_map/error_sample.h"
 
 namespace planar::bench {
 

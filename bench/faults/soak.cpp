@@ -10,8 +10,8 @@
 #include <random>
 #include <string>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/loop/servo/position_servo.h"
 #include "support/simulated_cell.h"
 
 namespace planar {

@@ -2,8 +2,8 @@
 
 #include <variant>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/drives/grbl_protocol.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/hardware/drives/grbl_protocol.h"
 
 namespace planar {
 namespace {

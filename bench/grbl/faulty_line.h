@@ -8,9 +8,9 @@
 #include <string>
 #include <thread>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/drives/grbl_board.h"
-#include "planar_servo/rehearsal/pty_port.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/hardware/drives/grbl_board.h"
+#include "planar_servo/machine/rehearsal/pty_port.h"
 
 namespace planar {
 

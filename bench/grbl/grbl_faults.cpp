@@ -8,7 +8,7 @@
 
 #include "board.h"
 #include "faulty_line.h"
-#include "planar_servo/drives/grbl_drives.h"
+#include "planar_servo/hardware/drives/grbl_drives.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -6,8 +6,8 @@
 #include <thread>
 #include <vector>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/drives/grbl_drives.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/hardware/drives/grbl_drives.h"
 #include "support/grbl_bench.h"
 
 namespace planar {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "board.h"
-#include "planar_servo/drives/grbl_drives.h"
+#include "planar_servo/hardware/drives/grbl_drives.h"
 
 namespace planar {
 namespace {

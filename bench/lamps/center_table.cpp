@@ -7,7 +7,7 @@
 
 #include "lamps/center_methods.h"
 #include "lamps/cramer_rao.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/base/core/statistics.h"
 
 namespace planar::bench {
 namespace {

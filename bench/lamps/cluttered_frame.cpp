@@ -3,7 +3,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar::bench {
 namespace {

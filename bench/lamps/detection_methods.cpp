@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "lamps/full_read.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/lamps/lamp_detector.h"
 
 namespace planar::bench {

@@ -8,7 +8,7 @@
 #include "lamps/cluttered_frame.h"
 #include "lamps/detection_methods.h"
 #include "lamps/full_read.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/base/core/statistics.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 
 namespace planar::bench {

@@ -1,7 +1,7 @@
 #include "lamps/lamp_families.h"
 
 #include "lamps/defective_lamp.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar::bench {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/learn/error_map/error_map.h"
 
 namespace {
 

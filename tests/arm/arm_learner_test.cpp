@@ -1,11 +1,11 @@
-#include "planar_servo/arm/arm_learner.h"
+#include "planar_servo/geometry/arm/arm_learner.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <stdexcept>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

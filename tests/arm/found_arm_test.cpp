@@ -1,11 +1,11 @@
-#include "planar_servo/arm/found_arm.h"
+#include "planar_servo/geometry/arm/found_arm.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/arm/joint_planner.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
 #include "support/finite_differences.h"
 
 namespace planar {

@@ -1,10 +1,10 @@
-#include "planar_servo/arm/joint_planner.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/arm/transmission.h"
+#include "planar_servo/geometry/arm/transmission.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "support/finite_differences.h"
 
 namespace planar {

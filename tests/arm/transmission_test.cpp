@@ -1,11 +1,11 @@
-#include "planar_servo/arm/transmission.h"
+#include "planar_servo/geometry/arm/transmission.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/arm/joint_planner.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
 
 namespace planar {

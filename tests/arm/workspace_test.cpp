@@ -1,4 +1,4 @@
-#include "planar_servo/arm/workspace.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -6,9 +6,9 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar::test {
 

@@ -6,7 +6,7 @@
 #include "calibration/board_image.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar::test {
 

@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "calibration/board_views.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

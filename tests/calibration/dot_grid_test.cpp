@@ -3,9 +3,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calibration/board_image.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/geometry/lens/workplane.h"
 #include "support/shared_data.h"
 
 namespace planar {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/tool/vision_tip.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -6,8 +6,8 @@
 #include "calibration/board_views.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/lens/lens_models.h"
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/geometry/lens/lens_models.h"
+#include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar {
 namespace {

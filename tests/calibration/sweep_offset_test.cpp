@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -3,12 +3,12 @@
 #include <random>
 #include <vector>
 
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/pairing.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/lens_models.h"
-#include "planar_servo/lens/workplane.h"
-#include "planar_servo/tool/tool_offsets.h"
+#include "planar_servo/geometry/lens/lens_models.h"
+#include "planar_servo/geometry/lens/workplane.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar::test {
 

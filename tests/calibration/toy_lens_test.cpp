@@ -3,7 +3,7 @@
 
 #include "calibration/board_views.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 #include "support/finite_differences.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "calibration/board_image.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

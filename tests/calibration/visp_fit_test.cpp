@@ -4,10 +4,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calibration/board_views.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 #include "support/shared_data.h"
 
 namespace planar {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

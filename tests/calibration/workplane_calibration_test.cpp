@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

@@ -1,8 +1,8 @@
-#include "planar_servo/cameras/aravis_kind.h"
+#include "planar_servo/hardware/cameras/aravis_kind.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/cameras/aravis_settings.h"
+#include "planar_servo/hardware/cameras/aravis_settings.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/cameras/aravis_link.h"
+#include "planar_servo/hardware/cameras/aravis_link.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,9 +1,9 @@
-#include "planar_servo/cameras/frame_mailbox.h"
+#include "planar_servo/hardware/cameras/frame_mailbox.h"
 
 #include <catch2/catch.hpp>
 #include <future>
 
-#include "planar_servo/core/clock.h"
+#include "planar_servo/base/core/clock.h"
 #include "support/eventually.h"
 
 namespace planar {

@@ -1,8 +1,8 @@
-#include "planar_servo/cameras/aravis_settings.h"
+#include "planar_servo/hardware/cameras/aravis_settings.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/grey_formats.h"
 
 namespace planar {

@@ -5,11 +5,11 @@
 #include <memory>
 #include <thread>
 
-#include "planar_servo/cameras/aravis_camera.h"
-#include "planar_servo/cameras/aravis_kind.h"
-#include "planar_servo/cameras/aravis_settings.h"
-#include "planar_servo/core/clock.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/hardware/cameras/aravis_camera.h"
+#include "planar_servo/hardware/cameras/aravis_kind.h"
+#include "planar_servo/hardware/cameras/aravis_settings.h"
 #include "support/in_the_end.h"
 #include "support/scene_sensor.h"
 

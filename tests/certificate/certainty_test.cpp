@@ -1,10 +1,10 @@
-#include "planar_servo/certificate/pose_statistics.h"
+#include "planar_servo/certificate/cell_accuracy.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/base/core/statistics.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/certificate/pose_statistics.h"
+#include "planar_servo/certificate/cell_accuracy.h"
 
 #include <catch2/catch.hpp>
 #include <random>

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/certificate/certificate_report.h"
-#include "planar_servo/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/console/cell_names.h"
+#include "planar_servo/console/state_board.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>

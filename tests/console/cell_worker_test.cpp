@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "support/eventually.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

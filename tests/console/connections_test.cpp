@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "console/self_signed.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

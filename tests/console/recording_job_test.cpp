@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "support/eventually.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/core/decompositions.h"
+#include "planar_servo/base/core/decompositions.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

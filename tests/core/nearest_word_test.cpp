@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/text.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 namespace {

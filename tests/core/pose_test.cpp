@@ -1,8 +1,8 @@
-#include "planar_servo/core/pose.h"
+#include "planar_servo/base/core/pose.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/core/pose.h"
+#include "planar_servo/base/core/pose.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/base/core/statistics.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "planar_servo/core/text.h"
+#include "planar_servo/base/core/text.h"
 
 #include <catch2/catch.hpp>
 

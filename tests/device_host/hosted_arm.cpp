@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_hardware.h"

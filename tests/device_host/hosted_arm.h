@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "device_host/wire_tap.h"
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/rehearsal/live_cell.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/machine/rehearsal/live_cell.h"
 #include "support/emulated_tic.h"
 
 namespace planar::test {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/rehearsal/gige_camera.h"
+#include "planar_servo/machine/rehearsal/gige_camera.h"
 #include "support/mock_usb.h"
 #include "support/usb3_camera.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "planar_servo/io/csv_table.h"
+#include "planar_servo/base/io/csv_table.h"
 
 namespace planar::test {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/csv_table.h"
-#include "planar_servo/tables/target_table.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/csv_table.h"
+#include "planar_servo/files/tables/target_table.h"
 
 namespace planar::test {
 namespace {

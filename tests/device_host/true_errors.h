@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "device_host/hosted_arm.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/base/core/statistics.h"
 
 namespace planar::test {
 

@@ -1,8 +1,8 @@
-#include "planar_servo/doctor/doctor.h"
+#include "planar_servo/console/doctor/doctor.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -1,12 +1,12 @@
-#include "planar_servo/doctor/doctor.h"
+#include "planar_servo/console/doctor/doctor.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 #include <utility>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <string>
 
-#include "planar_servo/doctor/doctor.h"
+#include "planar_servo/console/doctor/doctor.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

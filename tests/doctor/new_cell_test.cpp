@@ -1,11 +1,10 @@
-#include "planar_servo/doctor/doctor.h"
+#include "planar_servo/console/doctor/doctor.h"
 
 #include <catch2/catch.hpp>
 #include <sstream>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/plausibility.h"
 #include "support/temporary_folder.h"

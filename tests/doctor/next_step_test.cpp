@@ -1,14 +1,14 @@
-#include "planar_servo/doctor/next_step.h"
+#include "planar_servo/console/doctor/next_step.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/doctor/doctor.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/console/doctor/doctor.h"
+#include "planar_servo/files/tables/recording_tables.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

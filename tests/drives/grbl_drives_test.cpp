@@ -1,4 +1,4 @@
-#include "planar_servo/drives/grbl_drives.h"
+#include "planar_servo/hardware/drives/grbl_drives.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,7 +6,7 @@
 #include <random>
 #include <thread>
 
-#include "planar_servo/drives/drive_kinds.h"
+#include "planar_servo/hardware/drives/drive_kinds.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"
 

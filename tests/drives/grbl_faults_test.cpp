@@ -4,9 +4,9 @@
 #include <optional>
 #include <thread>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/drives/grbl_drives.h"
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/hardware/drives/grbl_drives.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"
 

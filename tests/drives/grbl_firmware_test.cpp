@@ -10,7 +10,7 @@
 #include <random>
 #include <thread>
 
-#include "planar_servo/drives/grbl_drives.h"
+#include "planar_servo/hardware/drives/grbl_drives.h"
 #include "support/counted_firmware.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"

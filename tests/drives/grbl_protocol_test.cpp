@@ -1,4 +1,4 @@
-#include "planar_servo/drives/grbl_protocol.h"
+#include "planar_servo/hardware/drives/grbl_protocol.h"
 
 #include <catch2/catch.hpp>
 #include <random>

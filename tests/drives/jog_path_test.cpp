@@ -1,9 +1,9 @@
-#include "planar_servo/drives/jog_path.h"
+#include "planar_servo/hardware/drives/jog_path.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/drives/grbl_protocol.h"
+#include "planar_servo/hardware/drives/grbl_protocol.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/drives/tic_drives.h"
+#include "planar_servo/hardware/drives/tic_drives.h"
 
 #include <catch2/catch.hpp>
 #include <chrono>

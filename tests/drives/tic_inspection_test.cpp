@@ -1,4 +1,4 @@
-#include "planar_servo/drives/drive_kinds.h"
+#include "planar_servo/hardware/drives/drive_kinds.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,9 +1,9 @@
-#include "planar_servo/drives/tic_bus.h"
+#include "planar_servo/hardware/drives/tic_bus.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar::tic {
 namespace {

@@ -1,8 +1,8 @@
-#include "planar_servo/error_map/maps/bordered_system.h"
+#include "planar_servo/learn/error_map/maps/rbf_basis.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/error_map/maps/rbf_basis.h"
+#include "planar_servo/learn/error_map/maps/rbf_basis.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "planar_servo/error_map/cell_diagnosis.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/cross_validation.h"
+#include "planar_servo/learn/error_map/cross_validation.h"
 #include "support/error_fields.h"
 
 namespace planar {

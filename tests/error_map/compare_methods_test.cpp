@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/compare_methods.h"
+#include "planar_servo/learn/error_map/compare_methods.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

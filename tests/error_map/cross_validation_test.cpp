@@ -1,12 +1,12 @@
-#include "planar_servo/error_map/cross_validation.h"
+#include "planar_servo/learn/error_map/cross_validation.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/fit/rbf_fit.h"
-#include "planar_servo/error_map/fit/sparse_fit.h"
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/learn/error_map/fit/rbf_fit.h"
+#include "planar_servo/learn/error_map/fit/sparse_fit.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 
 namespace planar {

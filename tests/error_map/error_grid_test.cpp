@@ -1,11 +1,11 @@
-#include "planar_servo/error_map/error_grid.h"
+#include "planar_servo/learn/error_map/error_grid.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 
 namespace planar {
 namespace {

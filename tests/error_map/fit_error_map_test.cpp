@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -8,9 +8,9 @@
 #include <set>
 #include <sstream>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "support/error_fields.h"
 #include "support/shared_data.h"
 

@@ -1,9 +1,9 @@
-#include "planar_servo/error_map/maps/idw_map.h"
+#include "planar_servo/learn/error_map/maps/rbf_map.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/error_map.h"
+#include "planar_servo/learn/error_map/error_map.h"
 
 namespace planar {
 namespace {

@@ -1,8 +1,8 @@
-#include "planar_servo/error_map/error_map.h"
+#include "planar_servo/learn/error_map/error_map.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,10 +1,10 @@
-#include "planar_servo/error_map/fit/map_sites.h"
+#include "planar_servo/learn/error_map/fit/map_sites.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/fit/outliers.h"
+#include "planar_servo/learn/error_map/fit/outliers.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

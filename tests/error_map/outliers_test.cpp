@@ -1,9 +1,9 @@
-#include "planar_servo/error_map/fit/outliers.h"
+#include "planar_servo/learn/error_map/fit/outliers.h"
 
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 
 namespace planar {

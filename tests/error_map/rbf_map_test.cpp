@@ -1,10 +1,10 @@
-#include "planar_servo/error_map/maps/rbf_map.h"
+#include "planar_servo/learn/error_map/maps/rbf_map.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/error_map/fit/rbf_fit.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/learn/error_map/fit/rbf_fit.h"
 #include "support/error_fields.h"
 
 namespace planar {

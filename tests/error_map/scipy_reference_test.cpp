@@ -3,7 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/error_map/fit/rbf_fit.h"
+#include "planar_servo/learn/error_map/fit/rbf_fit.h"
 #include "support/shared_data.h"
 
 namespace planar {

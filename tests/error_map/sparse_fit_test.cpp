@@ -1,11 +1,11 @@
-#include "planar_servo/error_map/fit/sparse_fit.h"
+#include "planar_servo/learn/error_map/fit/sparse_fit.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/error_fields.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/cross_validation.h"
+#include "planar_servo/learn/error_map/cross_validation.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

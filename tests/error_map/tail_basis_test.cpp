@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/maps/rbf_basis.h"
+#include "planar_servo/learn/error_map/maps/rbf_basis.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

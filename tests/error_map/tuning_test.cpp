@@ -1,9 +1,9 @@
-#include "planar_servo/error_map/fit/tuning.h"
+#include "planar_servo/learn/error_map/fit/rbf_fit.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/error_map/fit/rbf_fit.h"
+#include "planar_servo/learn/error_map/fit/rbf_fit.h"
 #include "support/error_fields.h"
 
 namespace planar {

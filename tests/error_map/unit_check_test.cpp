@@ -1,12 +1,12 @@
-#include "planar_servo/error_map/fit/pair_checks.h"
+#include "planar_servo/learn/error_map/fit/pair_checks.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 
 namespace planar {

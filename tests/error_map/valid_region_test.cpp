@@ -1,4 +1,4 @@
-#include "planar_servo/error_map/maps/valid_region.h"
+#include "planar_servo/learn/error_map/error_sample.h"
 
 #include <catch2/catch.hpp>
 

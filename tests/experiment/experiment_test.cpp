@@ -5,12 +5,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/experiment_report.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/servo_report.h"
-#include "planar_servo/tables/lamp_table.h"
+#include "planar_servo/work/run/servo_report.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 #include "support/well_formed.h"

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/checksum.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
 #include "support/sample_cells.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/learn/field/arm/arm_fit.h"
 
 #include <catch2/catch.hpp>
 
 #include "field/bent_cell.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

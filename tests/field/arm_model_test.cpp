@@ -1,4 +1,4 @@
-#include "planar_servo/field/arm/arm_model.h"
+#include "planar_servo/learn/field/arm/arm_model.h"
 
 #include <catch2/catch.hpp>
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/field/arm/arm_model.h"
-#include "planar_servo/field/lay_information.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/learn/field/arm/arm_model.h"
+#include "planar_servo/learn/field/lay_information.h"
 
 namespace planar::test {
 

@@ -1,9 +1,9 @@
-#include "planar_servo/field/held_out.h"
+#include "planar_servo/learn/field/held_out.h"
 
 #include <catch2/catch.hpp>
 
 #include "field/bent_cell.h"
-#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/field/joint_estimate.h"
+#include "planar_servo/learn/field/joint_estimate.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,9 +6,9 @@
 #include <set>
 
 #include "field/bent_cell.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/field/fit_lamp_field.h"
-#include "planar_servo/field/lamp_field.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
+#include "planar_servo/learn/field/lamp_field.h"
 
 namespace planar {
 namespace {

@@ -1,9 +1,9 @@
-#include "planar_servo/field/joint_fit.h"
+#include "planar_servo/learn/field/joint_fit.h"
 
 #include <catch2/catch.hpp>
 
 #include "field/bent_cell.h"
-#include "planar_servo/field/lamp_field.h"
+#include "planar_servo/learn/field/lamp_field.h"
 
 namespace planar {
 namespace {

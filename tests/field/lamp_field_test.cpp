@@ -1,4 +1,4 @@
-#include "planar_servo/field/lamp_field.h"
+#include "planar_servo/learn/field/lamp_field.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,10 +1,10 @@
-#include "planar_servo/field/lay_information.h"
+#include "planar_servo/learn/field/lay_information.h"
 
 #include <catch2/catch.hpp>
 
 #include "field/bent_cell.h"
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
 
 namespace planar {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <regex>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/checksum.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/checksum.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/pair_table.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

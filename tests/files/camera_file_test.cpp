@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

@@ -1,8 +1,8 @@
-#include "planar_servo/tables/cycle_table.h"
+#include "planar_servo/files/tables/result_table.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

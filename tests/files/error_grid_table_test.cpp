@@ -1,4 +1,4 @@
-#include "planar_servo/tables/error_grid_table.h"
+#include "planar_servo/files/tables/grid_exports.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/tables/grid_exports.h"
-#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/tables/grid_exports.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

@@ -2,9 +2,9 @@
 #include <regex>
 
 #include "field/bent_cell.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/map_file.h"
-#include "planar_servo/io/checksum.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <regex>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/error_map/fit/rbf_fit.h"
-#include "planar_servo/io/checksum.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/checksum.h"
+#include "planar_servo/learn/error_map/fit/rbf_fit.h"
 #include "support/error_fields.h"
 #include "support/temporary_folder.h"
 

@@ -2,14 +2,14 @@
 #include <functional>
 #include <random>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/lamp_table.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/tables/target_table.h"
-#include "planar_servo/tables/tracker_table.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

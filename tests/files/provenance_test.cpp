@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

@@ -1,9 +1,9 @@
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/files/tables/recording_tables.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

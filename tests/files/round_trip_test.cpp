@@ -3,15 +3,15 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/plan.h"
+#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/io/checksum.h"
-#include "planar_servo/tables/lamp_table.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/tables/result_table.h"
-#include "planar_servo/tables/target_table.h"
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "planar_servo/tables/table_columns.h"
+#include "planar_servo/files/tables/table_columns.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

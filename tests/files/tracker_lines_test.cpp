@@ -1,8 +1,8 @@
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,8 +1,8 @@
-#include "planar_servo/files/vision_files.h"
+#include "planar_servo/files/calibration_files.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/files/calibration_files.h"
 #include "support/temporary_folder.h"
 

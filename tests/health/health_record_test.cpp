@@ -1,11 +1,11 @@
-#include "planar_servo/health/health_record.h"
+#include "planar_servo/loop/health/health_record.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/health/health_record.h"
+#include "planar_servo/loop/health/health_record.h"
 
 #include <catch2/catch.hpp>
 

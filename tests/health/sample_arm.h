@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/health/arm_check.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/health/arm_check.h"
 
 namespace planar::test {
 

@@ -1,10 +1,10 @@
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/io/atomic_file.h"
 
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

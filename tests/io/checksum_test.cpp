@@ -1,11 +1,11 @@
-#include "planar_servo/io/checksum.h"
+#include "planar_servo/base/io/checksum.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/yaml_reader.h"
+#include "planar_servo/base/io/yaml_writer.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 

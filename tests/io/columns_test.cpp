@@ -1,11 +1,11 @@
-#include "planar_servo/io/columns.h"
+#include "planar_servo/base/io/columns.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

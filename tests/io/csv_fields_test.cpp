@@ -1,4 +1,4 @@
-#include "planar_servo/io/csv_fields.h"
+#include "planar_servo/base/io/csv_fields.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,14 +1,14 @@
-#include "planar_servo/io/fields.h"
+#include "planar_servo/base/io/fields.h"
 
 #include <array>
 #include <catch2/catch.hpp>
 #include <optional>
 #include <random>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/yaml_reader.h"
+#include "planar_servo/base/io/yaml_writer.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -5,8 +5,7 @@
 #include <catch2/catch.hpp>
 #include <map>
 
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/csv_table.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/csv_table.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,11 +1,11 @@
-#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/base/io/yaml_reader.h"
 
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <functional>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

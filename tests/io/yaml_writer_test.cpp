@@ -1,11 +1,11 @@
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/io/yaml_writer.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 #include <random>
 
-#include "planar_servo/io/checksum.h"
-#include "planar_servo/io/yaml_reader.h"
+#include "planar_servo/base/io/checksum.h"
+#include "planar_servo/base/io/yaml_reader.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,11 +1,11 @@
-#include "planar_servo/jog/jog_console.h"
+#include "planar_servo/work/jog/jog_console.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/jog_bench.h"
 #include "support/sample_cells.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/jog/lamp_finder.h"
+#include "planar_servo/work/jog/lamp_finder.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/jog/jog_console.h"
+#include "planar_servo/work/jog/jog_console.h"
 #include "support/jog_bench.h"
 
 namespace planar {

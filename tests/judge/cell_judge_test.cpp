@@ -1,10 +1,10 @@
-#include "planar_servo/judge/cell_judge.h"
+#include "planar_servo/machine/judge/cell_judge.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/judge/cell_judge.h"
-#include "planar_servo/run/servo_run.h"
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/machine/judge/cell_judge.h"
+#include "planar_servo/work/run/servo_run.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"
 #include "support/temporary_folder.h"

@@ -1,14 +1,14 @@
-#include "planar_servo/judge/monument_round.h"
+#include "planar_servo/machine/judge/reflector_readings.h"
 
 #include <catch2/catch.hpp>
 #include <deque>
 #include <map>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/growing_file.h"
-#include "planar_servo/judge/reflector_readings.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/machine/judge/reflector_readings.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

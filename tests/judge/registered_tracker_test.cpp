@@ -1,10 +1,10 @@
-#include "planar_servo/judge/cell_judge.h"
+#include "planar_servo/machine/judge/cell_judge.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 

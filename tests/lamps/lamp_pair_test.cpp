@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

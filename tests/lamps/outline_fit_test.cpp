@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "support/rendered_lamp.h"
 
 namespace planar {

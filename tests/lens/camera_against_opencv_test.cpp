@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/calib3d.hpp>
 
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

@@ -1,10 +1,10 @@
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
 #include <set>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/finite_differences.h"
 
 namespace planar {

@@ -1,12 +1,12 @@
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/geometry/lens/workplane.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/lens/lens_models.h"
-#include "planar_servo/lens/radial_map.h"
+#include "planar_servo/geometry/lens/lens_models.h"
+#include "planar_servo/geometry/lens/radial_map.h"
 
 namespace planar {
 namespace {

@@ -1,5 +1,5 @@
-#include "planar_servo/lens/workplane.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/workplane.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

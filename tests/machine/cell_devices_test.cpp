@@ -1,10 +1,10 @@
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
 
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -2,12 +2,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/devices/drive_group.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/fields.h"
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/fields.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"

@@ -7,9 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calibration/board_image.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/tables/recording_tables.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 

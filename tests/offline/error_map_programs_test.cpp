@@ -2,9 +2,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/map_report.h"
 #include "support/error_fields.h"

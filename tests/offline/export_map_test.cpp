@@ -4,10 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/map_file.h"
-#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "support/error_fields.h"
 #include "support/temporary_folder.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar {
 namespace {

@@ -2,12 +2,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/files/vision_files.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/calibrate_arm.h"
-#include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

@@ -5,12 +5,12 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/lens/lens_models.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/offline/lamps_report.h"
-#include "planar_servo/tool/vision_tip.h"
 #include "support/rendered_lamp.h"
 #include "support/temporary_folder.h"
 

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/arm/planar_arm.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/offline/pairs/pair_page.h"
-#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -7,9 +7,9 @@
 #include <regex>
 #include <string>
 
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
 #include "planar_servo/offline/paper/board_page.h"
 #include "planar_servo/offline/paper/tool_page.h"
 

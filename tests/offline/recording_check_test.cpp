@@ -8,7 +8,7 @@
 #include <random>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "support/temporary_folder.h"
 

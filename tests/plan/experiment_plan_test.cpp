@@ -1,4 +1,4 @@
-#include "planar_servo/plan/experiment_plan.h"
+#include "planar_servo/offline/plan/experiment_plan.h"
 
 #include <array>
 #include <catch2/catch.hpp>
@@ -7,7 +7,7 @@
 
 #include "plan/training_order.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/record/recording_start.h"
+#include "planar_servo/work/record/recording_start.h"
 #include "support/sample_cells.h"
 #include "support/texts.h"
 

@@ -1,10 +1,10 @@
-#include "planar_servo/plan/predicted_positioning.h"
+#include "planar_servo/offline/plan/predicted_positioning.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

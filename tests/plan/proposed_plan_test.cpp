@@ -1,12 +1,12 @@
-#include "planar_servo/plan/proposed_plan.h"
+#include "planar_servo/offline/plan/proposed_plan.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "plan/training_order.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/plan/experiment_plan.h"
-#include "planar_servo/record/recording_start.h"
+#include "planar_servo/offline/plan/experiment_plan.h"
+#include "planar_servo/work/record/recording_start.h"
 #include "support/sample_cells.h"
 
 namespace planar {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "planar_servo/core/plan.h"
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/base/core/plan.h"
+#include "planar_servo/files/tables/recording_tables.h"
 
 namespace planar::test {
 

@@ -1,8 +1,8 @@
-#include "planar_servo/record/board_guide.h"
+#include "planar_servo/work/record/board_source.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/pose.h"
+#include "planar_servo/base/core/pose.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/record/board_source.h"
+#include "planar_servo/work/record/board_source.h"
 
 #include <poll.h>
 #include <pty.h>
@@ -10,12 +10,11 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
-#include "planar_servo/io/terminal.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/terminal.h"
+#include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/recording_tables.h"
 #include "support/manual_clock.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -1,9 +1,9 @@
-#include "planar_servo/record/record_progress.h"
+#include "planar_servo/work/record/record_progress.h"
 
 #include <catch2/catch.hpp>
 
+#include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/recording_tables.h"
 #include "support/manual_clock.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

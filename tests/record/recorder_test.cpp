@@ -1,15 +1,15 @@
-#include "planar_servo/record/recorder.h"
+#include "planar_servo/work/record/recorder.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "planar_servo/devices/drive_group.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/loop/vision/reference_lamps.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/tables/tracker_table.h"
-#include "planar_servo/vision/reference_lamps.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/sample_cells.h"

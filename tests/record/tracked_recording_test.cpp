@@ -5,11 +5,11 @@
 #include <map>
 #include <thread>
 
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/record/recorder.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/work/record/recorder.h"
 #include "support/line_server.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/rehearsal/firmware_board.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/machine/rehearsal/firmware_board.h"
 #include "support/eventually.h"
 #include "support/faulty_grbl.h"
 #include "support/temporary_folder.h"

@@ -1,12 +1,12 @@
-#include "planar_servo/rehearsal/grbl_motors.h"
+#include "planar_servo/machine/rehearsal/grbl_motors.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/rehearsal/served_cell.h"
+#include "planar_servo/machine/rehearsal/served_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "support/eventually.h"
 #include "support/sample_cells.h"

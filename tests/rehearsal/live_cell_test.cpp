@@ -1,12 +1,12 @@
-#include "planar_servo/rehearsal/live_cell.h"
+#include "planar_servo/machine/rehearsal/live_cell.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/cameras/aravis_camera.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/csv_table.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/csv_table.h"
+#include "planar_servo/hardware/cameras/aravis_camera.h"
 #include "planar_servo/lamps/lamp_tracker.h"
-#include "planar_servo/rehearsal/gige_camera.h"
+#include "planar_servo/machine/rehearsal/gige_camera.h"
 #include "support/eventually.h"
 #include "support/temporary_folder.h"
 #include "virtual_cell/sample_cell.h"

@@ -1,13 +1,13 @@
-#include "planar_servo/rehearsal/served_tracker.h"
+#include "planar_servo/machine/rehearsal/served_cell.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "support/eventually.h"
 #include "support/temporary_folder.h"
 #include "virtual_cell/sample_cell.h"

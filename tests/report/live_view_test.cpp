@@ -7,7 +7,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "planar_servo/report/live/board_view.h"
 #include "planar_servo/report/live/record_view.h"
 #include "planar_servo/report/live/servo_view.h"
 #include "support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/report/report_list.h"
 
 #include <catch2/catch.hpp>
 #include <stdexcept>

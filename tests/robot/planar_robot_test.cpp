@@ -1,4 +1,4 @@
-#include "planar_servo/robot/visp_robot.h"
+#include "planar_servo/hardware/robot/visp_robot.h"
 
 #include <visp3/robot/vpRobotException.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/robot/homing.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/hardware/robot/homing.h"
 #include "support/finite_differences.h"
 #include "support/robot_bench.h"
 

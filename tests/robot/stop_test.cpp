@@ -2,8 +2,8 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/devices/drive_group.h"
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
 #include "support/manual_clock.h"
 #include "support/robot_bench.h"

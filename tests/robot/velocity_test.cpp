@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/robot/visp_robot.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/hardware/robot/visp_robot.h"
 #include "support/robot_bench.h"
 
 namespace planar {

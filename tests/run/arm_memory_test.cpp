@@ -1,12 +1,12 @@
-#include "planar_servo/run/arm_memory.h"
+#include "planar_servo/work/run/ready_cell.h"
 
 #include <catch2/catch.hpp>
 #include <regex>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/checksum.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -1,14 +1,13 @@
-#include "planar_servo/run/cell_check.h"
+#include "planar_servo/work/run/cell_check.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/servo/approach.h"
 #include "support/sample_cells.h"
 
 namespace planar {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/base/devices/frame_source.h"
 #include "support/silent_cell.h"
 
 namespace planar::test {

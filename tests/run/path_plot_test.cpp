@@ -1,8 +1,8 @@
-#include "planar_servo/run/pages/path_page.h"
+#include "planar_servo/work/run/path_report.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/run/path_run.h"
+#include "planar_servo/work/run/path_run.h"
 #include "support/well_formed.h"
 
 namespace planar {

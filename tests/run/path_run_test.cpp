@@ -1,4 +1,4 @@
-#include "planar_servo/run/path_run.h"
+#include "planar_servo/work/run/path_run.h"
 
 #include <catch2/catch.hpp>
 

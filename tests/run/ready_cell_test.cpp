@@ -1,10 +1,9 @@
-#include "planar_servo/run/ready_cell.h"
+#include "planar_servo/work/run/ready_cell.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 

@@ -1,8 +1,8 @@
-#include "planar_servo/run/run_folder.h"
+#include "planar_servo/work/run/run_folder.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/io/growing_file.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

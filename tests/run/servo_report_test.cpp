@@ -1,10 +1,10 @@
-#include "planar_servo/run/servo_report.h"
+#include "planar_servo/work/run/servo_report.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/run/pages/servo_page.h"
+#include "planar_servo/work/run/servo_page.h"
 #include "support/well_formed.h"
 
 namespace planar {

@@ -1,17 +1,17 @@
-#include "planar_servo/run/servo_run.h"
+#include "planar_servo/work/run/servo_run.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <random>
 #include <string>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/devices/drive_group.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/resumed_run.h"
-#include "planar_servo/tables/result_table.h"
+#include "planar_servo/work/run/resumed_run.h"
 #include "run/hiccup_cell.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"

@@ -1,8 +1,8 @@
-#include "planar_servo/run/dry_run.h"
+#include "planar_servo/work/run/dry_run.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,8 +1,8 @@
-#include "planar_servo/run/servo_run.h"
+#include "planar_servo/work/run/servo_run.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/tables/result_table.h"
+#include "planar_servo/files/tables/result_table.h"
 
 #include "support/temporary_folder.h"
 

@@ -1,12 +1,12 @@
-#include "planar_servo/run/target_stream.h"
+#include "planar_servo/work/run/target_stream.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/dry_run.h"
+#include "planar_servo/work/run/dry_run.h"
 
 namespace planar {
 namespace {

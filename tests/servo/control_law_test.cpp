@@ -1,10 +1,10 @@
-#include "planar_servo/servo/control_law.h"
+#include "planar_servo/loop/servo/position_servo.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "support/finite_differences.h"
 
 namespace planar {

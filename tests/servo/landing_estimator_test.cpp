@@ -1,4 +1,4 @@
-#include "planar_servo/servo/landing_estimator.h"
+#include "planar_servo/loop/servo/landing_estimator.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,11 +1,11 @@
-#include "planar_servo/servo/landing_estimator.h"
+#include "planar_servo/loop/servo/landing_estimator.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
-#include "planar_servo/arm/arm_learner.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/arm/arm_learner.h"
+#include "planar_servo/loop/servo/position_servo.h"
 #include "servo/servo_bench.h"
 
 namespace planar {

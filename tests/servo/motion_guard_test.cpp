@@ -1,4 +1,4 @@
-#include "planar_servo/servo/motion_guard.h"
+#include "planar_servo/loop/servo/motion_guard.h"
 
 #include <catch2/catch.hpp>
 #include <functional>

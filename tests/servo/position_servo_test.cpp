@@ -1,4 +1,4 @@
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/loop/servo/position_servo.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/servo/control_law.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/servo/position_servo.h"
 #include "servo/servo_bench.h"
 
 namespace planar {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/servo/position_servo.h"
 #include "support/simulated_cell.h"
 
 namespace planar::test {

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/servo/position_servo.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/servo/position_servo.h"
 #include "servo/servo_bench.h"
 
 namespace planar {

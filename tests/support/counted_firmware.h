@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "planar_servo/rehearsal/firmware_board.h"
+#include "planar_servo/machine/rehearsal/firmware_board.h"
 #include "support/temporary_folder.h"
 
 namespace planar::test {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "planar_servo/core/clock.h"
+#include "planar_servo/base/core/clock.h"
 #include "support/mock_usb.h"
 
 namespace planar::test {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "planar_servo/error_map/error_sample.h"
+#include "planar_servo/learn/error_map/error_sample.h"
 
 namespace planar::test {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "planar_servo/rehearsal/emulated_grbl.h"
+#include "planar_servo/machine/rehearsal/emulated_grbl.h"
 
 namespace planar::test {
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/rehearsal/gige_camera.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/machine/rehearsal/gige_camera.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <string>
 
-#include "planar_servo/drives/grbl_drives.h"
+#include "planar_servo/hardware/drives/grbl_drives.h"
 #include "support/eventually.h"
 #include "support/faulty_grbl.h"
 #include "support/temporary_folder.h"

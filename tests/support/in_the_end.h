@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planar_servo/core/clock.h"
+#include "planar_servo/base/core/clock.h"
 
 namespace planar::test {
 

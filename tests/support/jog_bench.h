@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "planar_servo/jog/jog_console.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/jog/jog_console.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/devices/drive_group.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/devices/drive_group.h"
 
 namespace planar::test {
 

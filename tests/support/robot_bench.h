@@ -6,9 +6,9 @@
 #include <array>
 #include <initializer_list>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/devices/drive_group.h"
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 

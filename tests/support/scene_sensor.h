@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "planar_servo/core/clock.h"
+#include "planar_servo/base/core/clock.h"
 
 namespace planar::test {
 

@@ -3,7 +3,6 @@
 #include <functional>
 #include <memory>
 
-#include "planar_servo/machine/cell_devices.h"
 #include "planar_servo/machine/device_kinds.h"
 
 namespace planar::test {

@@ -8,8 +8,8 @@
 #include <random>
 #include <string>
 
-#include "planar_servo/devices/drive_group.h"
-#include "planar_servo/servo/tip_sensor.h"
+#include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/loop/servo/tip_sensor.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 

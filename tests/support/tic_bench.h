@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/drives/tic_drives.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/hardware/drives/tic_drives.h"
 #include "support/emulated_tic.h"
 #include "support/mock_usb.h"
 

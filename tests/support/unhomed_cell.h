@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "planar_servo/devices/drive_group.h"
+#include "planar_servo/base/devices/drive_group.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 #include "support/silent_cell.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/rehearsal/gige_camera.h"
+#include "planar_servo/machine/rehearsal/gige_camera.h"
 #include "support/grey_formats.h"
 #include "support/mock_usb.h"
 

@@ -1,11 +1,11 @@
-#include "planar_servo/tool/coarse_view.h"
+#include "planar_servo/geometry/tool/coarse_view.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "planar_servo/core/pose.h"
+#include "planar_servo/base/core/pose.h"
 
 namespace planar {
 namespace {

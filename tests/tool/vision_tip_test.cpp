@@ -1,11 +1,11 @@
-#include "planar_servo/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
 #include "calibration/synthetic_cell.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

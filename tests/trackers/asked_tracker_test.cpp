@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/asked_tracker.h"
+#include "planar_servo/machine/trackers/tracker_kinds.h"
 
 #include <poll.h>
 #include <pty.h>
@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/terminal.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/terminal.h"
 
 namespace planar {
 namespace {

@@ -1,9 +1,9 @@
-#include "planar_servo/trackers/line_feeds.h"
+#include "planar_servo/machine/trackers/line_feeds.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/stream_tracker.h"
+#include "planar_servo/machine/trackers/stream_tracker.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

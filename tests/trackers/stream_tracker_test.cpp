@@ -1,4 +1,4 @@
-#include "planar_servo/trackers/stream_tracker.h"
+#include "planar_servo/machine/trackers/stream_tracker.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,8 +9,8 @@
 #include <memory>
 #include <random>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/terminal.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/terminal.h"
 #include "support/tracker_player.h"
 
 namespace planar {

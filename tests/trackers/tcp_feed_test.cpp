@@ -1,8 +1,8 @@
-#include "planar_servo/trackers/line_feeds.h"
+#include "planar_servo/machine/trackers/line_feeds.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "support/eventually.h"
 #include "support/line_server.h"
 

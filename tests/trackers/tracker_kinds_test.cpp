@@ -2,11 +2,10 @@
 #include <fstream>
 #include <thread>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/trackers/tracker_kinds.h"
+#include "planar_servo/machine/trackers/tracker_kinds.h"
 #include "support/line_server.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

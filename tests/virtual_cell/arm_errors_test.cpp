@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
 #include "virtual_cell/sample_cell.h"
 

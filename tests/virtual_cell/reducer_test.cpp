@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 
 namespace planar {

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"

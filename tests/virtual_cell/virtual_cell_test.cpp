@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/virtual_cell/virtual_lamps.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 #include "virtual_cell/sample_cell.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/base/core/statistics.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {

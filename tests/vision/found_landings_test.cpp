@@ -1,9 +1,9 @@
-#include "planar_servo/vision/found_landings.h"
+#include "planar_servo/loop/vision/found_landings.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/vision/image_motion.h"
+#include "planar_servo/loop/vision/reference_lamps.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "planar_servo/vision/found_landings.h"
+#include "planar_servo/loop/vision/found_landings.h"
 
 #include <catch2/catch.hpp>
 #include <random>

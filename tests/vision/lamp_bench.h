@@ -3,9 +3,9 @@
 #include <opencv2/core.hpp>
 #include <random>
 
-#include "planar_servo/lens/lens_models.h"
-#include "planar_servo/tool/vision_tip.h"
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/geometry/lens/lens_models.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/loop/vision/see_tool.h"
 #include "support/rendered_lamp.h"
 
 namespace planar::test {

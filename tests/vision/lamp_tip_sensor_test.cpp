@@ -1,11 +1,11 @@
-#include "planar_servo/vision/lamp_tip_sensor.h"
+#include "planar_servo/loop/vision/lamp_tip_sensor.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/error_map/fit_error_map.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
 #include "support/error_fields.h"
 #include "vision/lamp_bench.h"
 

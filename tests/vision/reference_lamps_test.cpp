@@ -1,4 +1,4 @@
-#include "planar_servo/vision/reference_lamps.h"
+#include "planar_servo/loop/vision/reference_lamps.h"
 
 #include <catch2/catch.hpp>
 

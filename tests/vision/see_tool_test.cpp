@@ -1,8 +1,8 @@
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 #include <catch2/catch.hpp>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "vision/lamp_bench.h"
 
 namespace planar {

@@ -10,10 +10,10 @@
 #include <regex>
 #include <stdexcept>
 
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/dots.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
 
 namespace planar {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/names.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/geometry/lens/camera_model.h"
 
 namespace planar {
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera/lens_fit.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/threads.h"
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/camera/camera_uncertainty.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 

@@ -11,9 +11,9 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

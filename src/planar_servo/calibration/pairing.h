@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/plan.h"
-#include "planar_servo/tool/tool_offsets.h"
+#include "planar_servo/base/core/plan.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 

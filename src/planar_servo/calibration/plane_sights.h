@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/pairing.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/geometry/lens/camera_model.h"
 
 namespace planar {
 

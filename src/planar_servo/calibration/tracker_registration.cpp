@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 

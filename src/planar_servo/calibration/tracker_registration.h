@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/statistics.h"
 
 namespace planar {
 

@@ -7,7 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 

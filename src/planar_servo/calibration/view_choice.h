@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/plan.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/core/plan.h"
 
 namespace planar {
 

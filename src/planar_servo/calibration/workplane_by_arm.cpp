@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/plane_sights.h"
 #include "planar_servo/calibration/workplane_calibration.h"
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/workplane.h"
-#include "planar_servo/tool/vision_tip.h"
+#include "planar_servo/geometry/lens/workplane.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 namespace {

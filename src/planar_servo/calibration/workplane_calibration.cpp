@@ -8,12 +8,12 @@
 #include <map>
 #include <optional>
 
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/plane_sights.h"
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/tool/coarse_view.h"
+#include "planar_servo/geometry/tool/coarse_view.h"
 
 namespace planar {
 

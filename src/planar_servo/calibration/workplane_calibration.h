@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/pairing.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/lens/camera_model.h"
-#include "planar_servo/tool/tool_offsets.h"
+#include "planar_servo/geometry/lens/camera_model.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 

@@ -1,15 +1,94 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
-
-#include "planar_servo/certificate/pose_statistics.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/tables/cycle_table.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/files/tables/result_table.h"
 
 namespace planar {
+
+/// Errors of one pose that was commanded again and again: attained minus commanded place, metres.
+using PoseErrors = std::vector<Eigen::Vector2d>;
+
+/// Accuracy and repeatability of a pose, metres or radians.
+struct PoseAccuracy {
+  double accuracy{0.0};       ///< AP
+  double repeatability{0.0};  ///< RP
+};
+
+// The figures of ISO 9283:1998 in the plane: z is left out. All throw std::invalid_argument for
+// empty sets.
+
+Eigen::Vector2d barycentre(const PoseErrors& errors);
+
+/// Returns AP = |mean of the errors| and RP = mean l + 3 S_l [ISO 9283:1998, 7.2], with the
+/// distances l from the barycentre and their standard deviation S_l over n - 1. RP is NaN for fewer
+/// than two errors.
+PoseAccuracy pose_accuracy(const PoseErrors& errors);
+
+/// Returns the same for an angle: AP = |mean|, RP = 3 S over n - 1, radians.
+PoseAccuracy angle_accuracy(const std::vector<double>& errors);
+
+/// Returns the multi-directional pose accuracy variation vAP: the greatest distance between the
+/// barycentres of one pose that was approached from several directions [ISO 9283:1998, 7.2.4].
+double direction_variation(const std::vector<PoseErrors>& by_direction);
+
+/// Two ends between which a figure lies with kCertainty.
+using Interval = std::pair<double, double>;
+
+/// The confidence of every interval, and the share of chance that a level keeps below it.
+constexpr double kCertainty = 0.95;
+/// Fewer values than this give no interval.
+constexpr std::size_t kLeastForInterval = 6;
+
+/// The intervals of AP and RP of one pose.
+struct PoseIntervals {
+  Interval accuracy, repeatability;
+};
+
+/// Returns the intervals of pose_accuracy(), from sets drawn from the normal distribution with the
+/// errors' mean and covariance: AP by the basic bootstrap, RP, which scales with the scatter, by
+/// its ratio [Davison and Hinkley 1997, 5.2]. Empty for fewer than kLeastForInterval errors.
+std::optional<PoseIntervals> pose_intervals(const PoseErrors& errors);
+
+/// Returns the interval of a figure of values of one distribution, by resampling them (percentile
+/// bootstrap). Empty for fewer than kLeastForInterval values.
+std::optional<Interval> figure_interval(
+    const std::vector<double>& values,
+    const std::function<double(const std::vector<double>&)>& figure);
+
+/// Returns the limit that a figure of n things keeps with kCertainty where their order means
+/// nothing: its quantile over random orders. `figure` takes the order.
+double chance_level(std::size_t n,
+                    const std::function<double(const std::vector<std::size_t>& order)>& figure);
+
+/// Errors at P1 to P5 in one cycle, metres.
+using CycleErrors = std::array<Eigen::Vector2d, 5>;
+
+/// A figure of the first and of the last cycles, and how much chance alone lets the two differ.
+struct FirstAndLast {
+  double first{0.0}, last{0.0};
+  double chance{0.0};  ///< the difference stays below it with kCertainty where nothing drifts
+};
+
+/// The change of accuracy during a run. Metres, means over the poses.
+struct PoseDrift {
+  std::size_t cycles{0};  ///< as many of the first are compared with as many of the last
+  double shift{0.0};      ///< of the mean error vector
+  double shift_chance{0.0};
+  FirstAndLast accuracy;                        ///< AP
+  std::optional<FirstAndLast> repeatability{};  ///< RP; needs two cycles on either side
+};
+
+/// Compares the first third of the cycles with the last third, at least one cycle each. The part of
+/// chance is found by shuffling the cycles. Empty for fewer than two cycles.
+std::optional<PoseDrift> pose_drift(const std::vector<CycleErrors>& cycles);
 
 /// The accuracy found at one pose. Metres and radians.
 struct PoseFigures {

@@ -7,13 +7,13 @@
 #include <iterator>
 #include <tuple>
 
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/checksum.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/checksum.h"
 
 namespace planar {
 namespace {

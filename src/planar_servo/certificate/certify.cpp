@@ -6,14 +6,13 @@
 #include <cmath>
 #include <set>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/checksum.h"
-#include "planar_servo/io/growing_file.h"
-#include "planar_servo/run/resumed_run.h"
+#include "planar_servo/work/run/resumed_run.h"
 
 namespace planar {
 namespace {

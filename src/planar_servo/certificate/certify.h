@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "planar_servo/certificate/test_places.h"
-#include "planar_servo/judge/cell_judge.h"
-#include "planar_servo/run/servo_run.h"
-#include "planar_servo/tables/cycle_table.h"
+#include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/machine/judge/cell_judge.h"
+#include "planar_servo/work/run/servo_run.h"
 
 namespace planar {
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/run/check_ways.h"
-#include "planar_servo/run/dry_run.h"
+#include "planar_servo/work/run/check_ways.h"
+#include "planar_servo/work/run/dry_run.h"
 
 namespace planar {
 namespace {

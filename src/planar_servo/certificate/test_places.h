@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/tables/cycle_table.h"
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/calibration/plane_sights.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/checksum.h"
-#include "planar_servo/plan/predicted_positioning.h"
-#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/offline/plan/predicted_positioning.h"
 
 namespace planar {
 namespace {

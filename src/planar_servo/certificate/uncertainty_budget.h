@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/certificate/cell_accuracy.h"
-#include "planar_servo/tables/cycle_table.h"
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 

@@ -8,12 +8,12 @@
 #include <sstream>
 #include <utility>
 
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/passing_folder.h"
-#include "planar_servo/run/cell_check.h"
-#include "planar_servo/run/dry_run.h"
-#include "planar_servo/run/servo_report.h"
-#include "planar_servo/run/target_stream.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/passing_folder.h"
+#include "planar_servo/work/run/cell_check.h"
+#include "planar_servo/work/run/dry_run.h"
+#include "planar_servo/work/run/servo_report.h"
+#include "planar_servo/work/run/target_stream.h"
 
 namespace planar {
 namespace {

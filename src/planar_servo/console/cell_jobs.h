@@ -11,8 +11,8 @@
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/state_board.h"
-#include "planar_servo/run/servo_run.h"
-#include "planar_servo/tables/target_table.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/work/run/servo_run.h"
 
 namespace planar {
 

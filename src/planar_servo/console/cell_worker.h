@@ -13,8 +13,8 @@
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/console/watch/picture_watch.h"
-#include "planar_servo/jog/jog_console.h"
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/jog/jog_console.h"
 
 namespace planar {
 

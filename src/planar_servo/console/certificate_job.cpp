@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "planar_servo/base/io/terminal.h"
 #include "planar_servo/certificate/certificate_report.h"
-#include "planar_servo/io/terminal.h"
 
 namespace planar {
 namespace {

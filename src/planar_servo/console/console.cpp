@@ -1,25 +1,44 @@
 #include "planar_servo/console/console.h"
-
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
-
+#include <sys/file.h>
+#include <unistd.h>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <mutex>
 #include <thread>
 #include <utility>
-
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/console_api.h"
 #include "planar_servo/console/http/rights.h"
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/state_board.h"
-#include "planar_servo/console/watch/log_lines.h"
 
 namespace planar {
-
 namespace {
+
+class BoardSink final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  explicit BoardSink(StateBoard& board) : board_(board) {}
+
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    const char* level = message.level >= spdlog::level::err    ? "error"
+                        : message.level == spdlog::level::warn ? "warning"
+                                                               : "info";
+    board_.tell_line(level, std::string(message.payload.data(), message.payload.size()));
+  }
+  void flush_() override {}
+
+ private:
+  StateBoard& board_;
+};
 
 constexpr char kThisComputer[] = "127.0.0.1", kAnyAddress[] = "0.0.0.0";
 
@@ -52,6 +71,29 @@ std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
 }
 
 }  // namespace
+
+LogLines::LogLines(StateBoard& board) : sink_(std::make_shared<BoardSink>(board)) {
+  sink_->set_level(spdlog::level::info);
+  spdlog::default_logger()->sinks().push_back(sink_);
+}
+
+LogLines::~LogLines() {
+  auto& sinks = spdlog::default_logger()->sinks();
+  sinks.erase(std::remove(sinks.begin(), sinks.end(), sink_), sinks.end());
+}
+
+CellLock::CellLock(const std::filesystem::path& cell_file)
+    : descriptor_(open(cell_file.c_str(), O_RDONLY | O_CLOEXEC)) {
+  // A file system without locks is used as it is.
+  if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  close(descriptor_);
+  throw InputError(
+      {"another planar-console serves this cell", "use its page, or end it first", cell_file});
+}
+
+CellLock::~CellLock() {
+  close(descriptor_);
+}
 
 /// What stays when the cell's files are read anew.
 struct Console::Kept {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/names.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <variant>
 
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/console/json_values.h"
-#include "planar_servo/core/units.h"
 #include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/vision_files.h"
+#include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/run/check_ways.h"
-#include "planar_servo/servo/approach.h"
+#include "planar_servo/work/run/check_ways.h"
 
 namespace planar {
 namespace {

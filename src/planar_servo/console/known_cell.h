@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/arm/joint_planner.h"
-#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/console/state_board.h"
-#include "planar_servo/devices/drive_group.h"
-#include "planar_servo/tables/target_table.h"
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 

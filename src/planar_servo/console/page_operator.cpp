@@ -5,8 +5,8 @@
 #include <chrono>
 #include <utility>
 
-#include "planar_servo/io/csv_fields.h"
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/base/io/csv_fields.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
 
 namespace planar {
 namespace {

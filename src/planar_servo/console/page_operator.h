@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
+#include "planar_servo/base/core/operator.h"
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/state_board.h"
-#include "planar_servo/core/operator.h"
 
 namespace planar {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/passing_folder.h"
 #include "planar_servo/console/json_values.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/passing_folder.h"
-#include "planar_servo/run/path_report.h"
+#include "planar_servo/work/run/path_report.h"
 
 namespace planar {
 namespace {

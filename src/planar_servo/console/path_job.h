@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/console/cell_jobs.h"
-#include "planar_servo/run/path_run.h"
+#include "planar_servo/work/run/path_run.h"
 
 namespace planar {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "planar_servo/console/json_values.h"
-#include "planar_servo/record/recorder.h"
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/work/record/recorder.h"
 
 namespace planar {
 namespace {

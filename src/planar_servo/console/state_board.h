@@ -5,22 +5,34 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "planar_servo/arm/planar_arm.h"
-#include "planar_servo/console/cell_names.h"
-#include "planar_servo/core/clock.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/names.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 
 namespace planar {
+
+/// Names the files of a cell's folder relative to it, in texts for those who do not see its disk.
+class CellNames {
+ public:
+  /// Leaves all texts as they are.
+  CellNames() = default;
+  explicit CellNames(const std::filesystem::path& cell_file);
+
+  std::string in(std::string text) const;
+
+ private:
+  std::vector<std::string> prefixes_;  ///< how the folder's files may be named, as JSON has it
+};
 
 /// What a cell is doing.
 enum class Doing {

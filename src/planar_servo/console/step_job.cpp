@@ -12,9 +12,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/doctor/next_step.h"
-#include "planar_servo/robot/planar_robot.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/console/doctor/next_step.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
 
 namespace planar {
 namespace {

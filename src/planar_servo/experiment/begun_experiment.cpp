@@ -4,11 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/checksum.h"
-#include "planar_servo/io/growing_file.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
 
 namespace planar {
 namespace {

@@ -11,15 +11,14 @@
 #include <sstream>
 #include <system_error>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/report/report_list.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {

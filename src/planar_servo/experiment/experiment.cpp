@@ -9,14 +9,14 @@
 #include <cmath>
 #include <future>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/begun_experiment.h"
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/judge/cell_judge.h"
-#include "planar_servo/record/recorder.h"
-#include "planar_servo/run/resumed_run.h"
+#include "planar_servo/machine/judge/cell_judge.h"
+#include "planar_servo/work/record/recorder.h"
+#include "planar_servo/work/run/resumed_run.h"
 
 namespace planar {
 namespace {

@@ -8,11 +8,11 @@
 #include "planar_servo/experiment/paper_tables.h"
 #include "planar_servo/experiment/plots/plot_data.h"
 #include "planar_servo/experiment/vision_chain.h"
-#include "planar_servo/machine/cell_devices.h"
-#include "planar_servo/plan/experiment_plan.h"
-#include "planar_servo/plan/predicted_positioning.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/plan/experiment_plan.h"
+#include "planar_servo/offline/plan/predicted_positioning.h"
 #include "planar_servo/report/live/live_view.h"
-#include "planar_servo/run/servo_run.h"
+#include "planar_servo/work/run/servo_run.h"
 
 namespace planar {
 

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/paper_tables.h"
 #include "planar_servo/experiment/plots/plots.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/run/servo_report.h"
+#include "planar_servo/work/run/servo_report.h"
 
 namespace planar {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/run/servo_report.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/work/run/servo_report.h"
 
 namespace planar {
 namespace {

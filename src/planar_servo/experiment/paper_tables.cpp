@@ -6,14 +6,13 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/offline/map/check_error_map.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
-#include "planar_servo/run/servo_report.h"
-#include "planar_servo/tables/lamp_table.h"
+#include "planar_servo/work/run/servo_report.h"
 
 namespace planar {
 namespace {

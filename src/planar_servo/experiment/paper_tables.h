@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "planar_servo/experiment/vision_chain.h"
-#include "planar_servo/plan/experiment_plan.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/result_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/offline/plan/experiment_plan.h"
 
 namespace planar {
 

@@ -3,24 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/vision_files.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/growing_file.h"
+#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/offline/locate_lamps.h"
-#include "planar_servo/offline/map/check_error_map.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/pairs/health_of_recording.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/pair_files.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
-#include "planar_servo/tables/lamp_table.h"
 
 namespace planar {
 namespace {

@@ -7,14 +7,14 @@
 
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/lamps/lamp.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
 #include "planar_servo/offline/calibrate_camera.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/yaml_reader.h"
+#include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/matrix_fields.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
 
 namespace planar {
 namespace {

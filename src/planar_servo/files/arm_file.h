@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/arm/arm_learner.h"
-#include "planar_servo/arm/found_arm.h"
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/field/arm/arm_fit.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/geometry/arm/arm_learner.h"
+#include "planar_servo/geometry/arm/found_arm.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/learn/field/arm/arm_fit.h"
 
 namespace planar {
 

@@ -11,11 +11,11 @@
 #include <sstream>
 #include <string_view>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/yaml_reader.h"
+#include "planar_servo/base/io/yaml_writer.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

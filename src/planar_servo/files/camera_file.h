@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/geometry/lens/camera_model.h"
 
 namespace planar {
 

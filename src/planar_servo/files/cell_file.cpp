@@ -4,11 +4,11 @@
 
 #include <set>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/names.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/yaml_reader.h"
+#include "planar_servo/base/io/yaml_writer.h"
 
 namespace planar {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
 
 namespace planar {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/fit_error_map.h"
-#include "planar_servo/field/fit_lamp_field.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/learn/error_map/fit_error_map.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 

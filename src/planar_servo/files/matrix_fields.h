@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/error_map.h"
-#include "planar_servo/error_map/maps/valid_region.h"
-#include "planar_servo/io/fields.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/io/fields.h"
+#include "planar_servo/base/io/yaml_writer.h"
+#include "planar_servo/learn/error_map/error_map.h"
+#include "planar_servo/learn/error_map/error_sample.h"
 
 namespace planar {
 

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <optional>
 
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/checksum.h"
-#include "planar_servo/io/csv_fields.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
+#include "planar_servo/base/io/csv_fields.h"
 
 namespace planar {
 namespace {

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/names.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/io/yaml_writer.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
 
 namespace planar {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/lamps/paper_center.h"
 #include "planar_servo/lamps/rim/outline.h"
 #include "planar_servo/lamps/rim/rim_band.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/lamps/blob.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/lamp_center.h"

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/cell/device_kinds.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/hardware/cell/device_kinds.h"
 
 namespace planar {
 

@@ -5,16 +5,16 @@
 
 #include <fstream>
 
-#include "planar_servo/arm/transmission.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/geometry/arm/transmission.h"
+#include "planar_servo/learn/field/arm/arm_fit.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/text_table.h"
-#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/learn/field/arm/arm_fit.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"
 

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <optional>
 
+#include "planar_servo/base/io/terminal.h"
 #include "planar_servo/calibration/view_choice.h"
 #include "planar_servo/files/camera_file.h"
-#include "planar_servo/io/status_line.h"
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/files/tables/recording_tables.h"
 
 namespace planar {
 

@@ -5,9 +5,9 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera_calibration.h"
-#include "planar_servo/core/error.h"
 #include "planar_servo/offline/grey_image.h"
 
 namespace planar {

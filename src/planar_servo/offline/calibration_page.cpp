@@ -9,9 +9,9 @@
 #include <limits>
 #include <random>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/base/io/atomic_file.h"
 
 namespace planar {
 namespace {

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/arm/planar_arm.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/offline/grey_image.h"
-#include "planar_servo/tables/recording_tables.h"
 
 namespace planar {
 

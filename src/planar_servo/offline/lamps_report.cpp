@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {

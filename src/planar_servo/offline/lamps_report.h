@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"
-#include "planar_servo/tables/lamp_table.h"
 
 namespace planar {
 

@@ -1,8 +1,8 @@
 #include "planar_servo/offline/page_of_file.h"
 
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/io/checksum.h"
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace fs = std::filesystem;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
 
 namespace planar {

@@ -1,22 +1,104 @@
 #include "planar_servo/report/axis.h"
-
 #include <fmt/format.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
-
-#include "planar_servo/core/text.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/report/html_page.h"
 
 namespace planar {
 namespace {
+
+using Rgb = std::array<double, 3>;
+
+/// Viridis at equal distances, from its light end, of which the palest part is left out because it
+/// would not show on white, to its dark one.
+constexpr Rgb kViridis[] = {{216, 226, 25}, {149, 216, 64}, {85, 198, 103}, {41, 175, 127},
+                            {32, 148, 140}, {39, 120, 142}, {51, 92, 141},  {65, 62, 133},
+                            {72, 33, 115},  {68, 1, 84}};
+constexpr Rgb kGreys[] = {{0, 0, 0}, {255, 255, 255}};
+
+constexpr double kBar = 14.0;  // width of the bar itself
+constexpr int kBands = 48;
+constexpr int kMostTicks = 6;
 
 constexpr double kRoom = 0.05;        // at each end, as a share of the range
 constexpr double kRounding = 1e-9;    // of a step
 constexpr std::size_t kFewTicks = 2;  // do not show that a scale is one of decades
 
 }  // namespace
+
+ColorScale::ColorScale(std::string label, const std::vector<double>& values, Steps steps, Hues hues)
+    : label_(std::move(label)), steps_(steps), hues_(hues) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const double value : values) {
+    if (!std::isfinite(value) || (steps == Steps::kDecades && value <= 0.0)) continue;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  if (least > most) least = most = 1.0;
+  if (least == most) {
+    least = steps == Steps::kDecades ? 0.5 * least : least - 0.5 * std::abs(least);
+    most = steps == Steps::kDecades ? 2.0 * most : most + 0.5 * std::abs(most);
+  }
+  from_ = least;
+  to_ = least < most ? most : least + 1.0;
+}
+
+double ColorScale::share(double value) const {
+  const double share = steps_ == Steps::kEven ? (value - from_) / (to_ - from_)
+                       : value > 0.0          ? std::log(value / from_) / std::log(to_ / from_)
+                                              : 0.0;
+  return std::clamp(share, 0.0, 1.0);
+}
+
+std::string ColorScale::color(double value) const {
+  const bool is_grey = hues_ == Hues::kGrey;
+  const Rgb* colors = is_grey ? kGreys : kViridis;
+  const std::size_t last = (is_grey ? std::size(kGreys) : std::size(kViridis)) - 1;
+  const double at = share(value) * static_cast<double>(last);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), last - 1);
+  const double part = at - static_cast<double>(i);
+  const auto mixed = [&](std::size_t channel) {
+    return static_cast<int>(
+        std::lround((1.0 - part) * colors[i][channel] + part * colors[i + 1][channel]));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
+}
+
+std::string ColorScale::bar_svg(double left, double top, double height) const {
+  std::string svg;
+  const double band = height / kBands;
+  for (int i = 0; i < kBands; ++i) {
+    const double share = (i + 0.5) / kBands;
+    const double value = steps_ == Steps::kEven ? from_ + share * (to_ - from_)
+                                                : from_ * std::pow(to_ / from_, share);
+    svg += fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{}\" "
+        "height=\"{:.2f}\" fill=\"{}\"/>\n",
+        left, top + height - (i + 1) * band, kBar, band + 0.5, color(value));
+  }
+  svg += fmt::format(
+      "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" "
+      "width=\"{}\" height=\"{:.1f}\"/>\n",
+      left, top, kBar, height);
+  const Ticks ticks =
+      Axis{"", from_, to_, steps_ == Steps::kEven ? Spacing::kEven : Spacing::kDecades}.ticks(
+          kMostTicks);
+  for (const double value : ticks.values)
+    svg +=
+        fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + kBar + 4.0,
+                    top + height * (1.0 - share(value)) + 4.0, ticks.text(value));
+  const double x = left + kColorBarWidth - 8.0, y = top + 0.5 * height;
+  return svg + fmt::format(
+                   "<text class=\"label\" text-anchor=\"middle\" "
+                   "x=\"{0:.1f}\" y=\"{1:.1f}\" "
+                   "transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
+                   x, y, html_escaped(label_));
+}
 
 Axis axis_over(const std::string& label, const std::vector<double>& values) {
   if (values.empty()) throw std::invalid_argument("an axis needs at least one value");

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "planar_servo/report/axis.h"
-#include "planar_servo/report/color_scale.h"
 
 namespace planar {
 

@@ -1,6 +1,6 @@
 #include "planar_servo/report/places.h"
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/report/panel.h"
 
 namespace planar {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/places.h"
 

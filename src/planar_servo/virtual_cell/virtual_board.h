@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/core/pose.h"
-#include "planar_servo/devices/board_presenter.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_lamps.h"

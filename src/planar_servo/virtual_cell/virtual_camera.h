@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_arm.h"

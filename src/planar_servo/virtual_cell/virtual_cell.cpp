@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/virtual_board.h"
 #include "planar_servo/virtual_cell/virtual_camera.h"

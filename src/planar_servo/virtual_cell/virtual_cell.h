@@ -7,12 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/devices/board_presenter.h"
-#include "planar_servo/devices/drive_group.h"
-#include "planar_servo/devices/frame_source.h"
-#include "planar_servo/devices/tracker.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_hardware.h"

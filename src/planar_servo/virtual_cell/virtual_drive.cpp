@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

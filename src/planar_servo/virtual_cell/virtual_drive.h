@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "planar_servo/core/clock.h"
-#include "planar_servo/devices/drive_group.h"
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 
 namespace planar {

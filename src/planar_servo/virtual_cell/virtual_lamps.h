@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/core/pose.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
 
 namespace planar {

@@ -1,9 +1,9 @@
-#include "planar_servo/servo/path/gear_play.h"
+#include "planar_servo/loop/servo/path/path_follower.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/servo/path/path_follower.h"
+#include "planar_servo/loop/servo/path/path_follower.h"
 #include "support/robot_bench.h"
 
 namespace planar {

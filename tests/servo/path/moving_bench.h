@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/servo/approach.h"
-#include "planar_servo/servo/path/path_follower.h"
+#include "planar_servo/loop/servo/motion_guard.h"
+#include "planar_servo/loop/servo/path/path_follower.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
 #include "virtual_cell/sample_cell.h"
 

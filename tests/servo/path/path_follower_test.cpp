@@ -1,10 +1,10 @@
-#include "planar_servo/servo/path/path_follower.h"
+#include "planar_servo/loop/servo/path/path_follower.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/servo/path/gear_play.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/servo/path/path_follower.h"
 #include "servo/path/moving_bench.h"
 
 namespace planar {

@@ -1,10 +1,10 @@
-#include "planar_servo/servo/path/path.h"
+#include "planar_servo/loop/servo/path/path.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/servo/path/path.h"
+#include "planar_servo/loop/servo/path/path.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

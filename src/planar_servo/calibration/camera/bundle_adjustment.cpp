@@ -2,11 +2,11 @@
 #include <opencv2/calib3d.hpp>
 #include <utility>
 
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera/lens_fit.h"
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
 
 namespace planar {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "planar_servo/core/decompositions.h"
+#include "planar_servo/base/core/decompositions.h"
 
 namespace planar {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "planar_servo/lens/camera_model.h"
+#include "planar_servo/geometry/lens/camera_model.h"
 
 namespace planar {
 

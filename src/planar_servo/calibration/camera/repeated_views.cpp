@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/calibration/camera/lens_fit.h"
-#include "planar_servo/core/decompositions.h"
 
 namespace planar {
 namespace {

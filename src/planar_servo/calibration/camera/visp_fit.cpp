@@ -4,12 +4,12 @@
 #include <cmath>
 #include <iostream>
 
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera/lens_fit.h"
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/lens/lens_models.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 
 namespace planar {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
-#include "planar_servo/core/decompositions.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 

@@ -5,10 +5,10 @@
 #include <map>
 #include <vector>
 
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/console/doctor/next_step.h"
 #include "planar_servo/console/state_board.h"
-#include "planar_servo/core/clock.h"
-#include "planar_servo/core/names.h"
-#include "planar_servo/doctor/next_step.h"
 #include "planar_servo/files/provenance.h"
 
 namespace planar {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "planar_servo/cell/cell_settings.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
 
 namespace planar {
 

@@ -1,19 +1,49 @@
 #include "planar_servo/console/http/connections.h"
-
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <netinet/tcp.h>
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+#include <openssl/x509v3.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <optional>
 #include <thread>
 #include <utility>
+#include "planar_servo/base/core/error.h"
 
 namespace planar {
 namespace {
+
+std::string reason() {
+  const char* text = ERR_reason_error_string(ERR_get_error());
+  ERR_clear_error();
+  return text == nullptr ? "unknown" : text;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
+  throw InputError({"is no " + what + ": " + reason(),
+                    "make a certificate and its key together, in PEM form", file});
+}
+
+void require_valid_now(const X509& certificate, const std::filesystem::path& file) {
+  const bool begun = X509_cmp_current_time(X509_get0_notBefore(&certificate)) < 0;
+  const bool over = X509_cmp_current_time(X509_get0_notAfter(&certificate)) < 0;
+  if (!begun || over)
+    throw InputError(
+        {over ? "the certificate is no longer valid" : "the certificate is not valid yet",
+         "make a new one, or set the clock", file});
+}
+
+constexpr int kBacklog = 1024;  // httplib asks for 5, beyond which clients try again after a second
+
+void reuse_address(socket_t socket) {
+  const int yes = 1;  // without SO_REUSEPORT, by which a second console could share the port
+  setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+}
 
 using SteadyTime = std::chrono::steady_clock;
 using std::chrono::milliseconds;
@@ -115,6 +145,91 @@ class SocketStream final : public httplib::Stream {
 };
 
 }  // namespace
+
+Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& key)
+    : context_(SSL_CTX_new(TLS_server_method()), SSL_CTX_free) {
+  if (!context_) throw WorkError("OpenSSL gives no context: " + reason());
+  SSL_CTX_set_min_proto_version(context_.get(), TLS1_2_VERSION);
+  SSL_CTX_set_mode(context_.get(),
+                   SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+  if (SSL_CTX_use_certificate_chain_file(context_.get(), certificate.c_str()) != 1)
+    refuse(certificate, "certificate");
+  if (SSL_CTX_use_PrivateKey_file(context_.get(), key.c_str(), SSL_FILETYPE_PEM) != 1 ||
+      SSL_CTX_check_private_key(context_.get()) != 1)
+    refuse(key, "key of this certificate");
+  require_valid_now(*SSL_CTX_get0_certificate(context_.get()), certificate);
+}
+
+bool Tls::is_for(const std::string& host) const {
+  X509* certificate = SSL_CTX_get0_certificate(context_.get());
+  return X509_check_host(certificate, host.c_str(), host.size(), 0, nullptr) == 1 ||
+         X509_check_ip_asc(certificate, host.c_str(), 0) == 1;
+}
+
+TlsSession::TlsSession(const Tls& tls, int socket) : session_(SSL_new(tls.context()), SSL_free) {
+  if (!session_ || SSL_set_fd(session_.get(), socket) != 1)
+    throw WorkError("OpenSSL gives no session: " + reason());
+}
+
+long TlsSession::accept(const SocketWait& wait) {
+  return repeat([this] { return SSL_accept(session_.get()); }, wait);
+}
+
+long TlsSession::read(char* to, std::size_t size, const SocketWait& wait) {
+  return repeat([=] { return SSL_read(session_.get(), to, static_cast<int>(size)); }, wait);
+}
+
+long TlsSession::write(const char* from, std::size_t size, const SocketWait& wait) {
+  return repeat([=] { return SSL_write(session_.get(), from, static_cast<int>(size)); }, wait);
+}
+
+bool TlsSession::has_more() const {
+  return SSL_pending(session_.get()) > 0;
+}
+
+void TlsSession::end() {
+  SSL_shutdown(session_.get());
+  ERR_clear_error();
+}
+
+long TlsSession::repeat(const std::function<int()>& step, const SocketWait& wait) {
+  while (true) {
+    ERR_clear_error();
+    const int done = step();
+    if (done > 0) return done;
+    const int fault = SSL_get_error(session_.get(), done);
+    if (fault == SSL_ERROR_ZERO_RETURN) return 0;
+    const bool may_wait = fault == SSL_ERROR_WANT_READ || fault == SSL_ERROR_WANT_WRITE;
+    if (!may_wait || !wait(fault == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT)) return -1;
+  }
+}
+
+ListeningPort::ListeningPort(const std::string& address, int port) : number_(port) {
+  set_socket_options(reuse_address);
+  if (port == 0)
+    number_ = bind_to_any_port(address);
+  else if (!bind_to_port(address, port))
+    number_ = -1;
+  if (number_ < 0)
+    throw InputError({fmt::format("port {} of {} is taken or not allowed", port, address),
+                      "end the program that listens there, or name another one with --port"});
+  ::listen(svr_sock_, kBacklog);
+  // A client may be gone between poll() and accept().
+  fcntl(svr_sock_, F_SETFL, fcntl(svr_sock_, F_GETFL) | O_NONBLOCK);
+}
+
+ListeningPort::~ListeningPort() {
+  ::close(svr_sock_);
+}
+
+int ListeningPort::accept(std::chrono::milliseconds patience) const {
+  pollfd client{svr_sock_, POLLIN, 0};
+  if (poll(&client, 1, static_cast<int>(patience.count())) <= 0) return -1;
+  const int socket = ::accept4(svr_sock_, nullptr, nullptr, SOCK_CLOEXEC);
+  if (socket < 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // no descriptor is free
+  return socket;
+}
 
 void Connections::enter() {
   std::unique_lock<std::mutex> lock(mutex_);

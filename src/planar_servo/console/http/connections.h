@@ -1,21 +1,80 @@
 #pragma once
 
 #include <httplib.h>
-
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <filesystem>
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
-#include "planar_servo/console/http/listening_port.h"
-#include "planar_servo/console/http/tls.h"
+struct ssl_ctx_st;
+struct ssl_st;
 
 namespace planar {
+
+/// TLS for a server, by its certificate and key.
+class Tls {
+ public:
+  /// Throws InputError for files that are no certificate and its key in PEM form, and for a
+  /// certificate that is not valid now.
+  Tls(const std::filesystem::path& certificate, const std::filesystem::path& key);
+
+  /// Returns whether the certificate is for this name or address.
+  bool is_for(const std::string& host) const;
+
+  ssl_ctx_st* context() const { return context_.get(); }
+
+ private:
+  std::shared_ptr<ssl_ctx_st> context_;
+};
+
+/// Waits until a socket can be read or written; returns whether it can.
+using SocketWait = std::function<bool(short event)>;
+
+/// The encryption of one connection.
+class TlsSession {
+ public:
+  TlsSession(const Tls& tls, int socket);
+
+  // All return -1 when `wait` gives up or the other side breaks the rules, 0 where it has ended.
+  long accept(const SocketWait& wait);
+  long read(char* to, std::size_t size, const SocketWait& wait);
+  long write(const char* from, std::size_t size, const SocketWait& wait);
+  /// Returns whether something is decrypted already.
+  bool has_more() const;
+  /// Says that all is written.
+  void end();
+
+ private:
+  long repeat(const std::function<int()>& step, const SocketWait& wait);
+
+  std::unique_ptr<ssl_st, void (*)(ssl_st*)> session_;
+};
+
+/// A port at which clients are let in one by one. While nobody lets them in they wait.
+class ListeningPort final : private httplib::Server {
+ public:
+  /// Listens on this port of this computer's `address`, or on a free one for 0. Throws InputError
+  /// when the port is taken or not allowed.
+  ListeningPort(const std::string& address, int port);
+  ~ListeningPort() override;
+  ListeningPort(const ListeningPort&) = delete;
+  ListeningPort& operator=(const ListeningPort&) = delete;
+
+  int number() const { return number_; }
+  int socket() const { return svr_sock_; }
+  /// Returns the socket of the next client, or -1 when none comes within this time.
+  int accept(std::chrono::milliseconds patience) const;
+
+ private:
+  int number_;
+};
 
 /// The connections of a server, each served by a thread of its own and kept in bounds: where there
 /// are as many as may be, the one that has been waited for longest is closed for the next, so that

@@ -1,23 +1,32 @@
 #include "planar_servo/console/http/console_api.h"
-
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <set>
-
+#include "console_page.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/csv_table.h"
+#include "planar_servo/console/doctor/next_step.h"
 #include "planar_servo/console/http/cell_folder.h"
-#include "planar_servo/console/http/page_files.h"
 #include "planar_servo/console/json_values.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/doctor/next_step.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/csv_table.h"
 
 namespace planar {
 namespace {
+
+bool ends(std::string_view text, std::string_view with) {
+  return text.size() >= with.size() && text.substr(text.size() - with.size()) == with;
+}
+
+const char* type_of(std::string_view name) {
+  if (ends(name, ".js")) return "text/javascript; charset=utf-8";
+  if (ends(name, ".css")) return "text/css; charset=utf-8";
+  if (ends(name, ".json")) return "application/json";
+  if (ends(name, ".svg")) return "image/svg+xml";
+  return "text/html; charset=utf-8";
+}
 
 constexpr double kRequests_s = 1000.0;  ///< as many may come at once, too
 constexpr int kMostStreams = 48;
@@ -126,6 +135,18 @@ void add_headers(const httplib::Request& /*request*/, httplib::Response& respons
 }
 
 }  // namespace
+
+const std::vector<PageFile>& page_files() {
+  static const std::vector<PageFile> files = [] {
+    std::vector<PageFile> all;
+    for (const auto& [name, text] : kConsolePage) {
+      const bool is_index = std::string_view(name) == "index.html";
+      all.push_back({std::string("/") + (is_index ? "" : name), type_of(name), text});
+    }
+    return all;
+  }();
+  return files;
+}
 
 ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board,
                        CellWorker& worker, ConsoleJobs& jobs, ConsoleServer& server)

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
-
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/console_orders.h"
@@ -16,6 +16,15 @@
 #include "planar_servo/console/state_board.h"
 
 namespace planar {
+
+/// A file of the page that is built into the program.
+struct PageFile {
+  std::string path;  ///< as browsers ask for it, such as "/page.js"
+  const char* type;  ///< MIME type
+  std::string_view text;
+};
+
+const std::vector<PageFile>& page_files();
 
 /// Answers the requests of pages and programs at a console: who may ask, and what they read.
 class ConsoleApi {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/console/doctor/next_step.h"
 #include "planar_servo/console/json_values.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/doctor/next_step.h"
 
 namespace planar {
 namespace {

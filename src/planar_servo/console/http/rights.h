@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "planar_servo/console/http/tls.h"
-#include "planar_servo/core/error.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/console/http/connections.h"
 
 namespace planar {
 

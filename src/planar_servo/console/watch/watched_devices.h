@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "planar_servo/machine/cell_devices.h"
+#include "planar_servo/machine/device_kinds.h"
 
 namespace planar {
 

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <set>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
 

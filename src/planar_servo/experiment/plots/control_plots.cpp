@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <map>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/run/servo_report.h"
+#include "planar_servo/work/run/servo_report.h"
 
 namespace planar {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/report/plot.h"
 
 namespace planar {

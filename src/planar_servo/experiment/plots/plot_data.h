@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/error_map.h"
 #include "planar_servo/experiment/vision_chain.h"
 #include "planar_servo/lamps/paper_center.h"
-#include "planar_servo/plan/experiment_plan.h"
+#include "planar_servo/learn/error_map/error_map.h"
+#include "planar_servo/offline/plan/experiment_plan.h"
 
 namespace planar {
 

@@ -9,8 +9,8 @@
 
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/plots/plot_data.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/report/panel.h"
-#include "planar_servo/tables/result_table.h"
 
 namespace planar {
 

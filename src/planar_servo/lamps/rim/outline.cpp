@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 
 namespace planar {
 namespace {

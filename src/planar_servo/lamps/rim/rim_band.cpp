@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/lamps/rim/outline.h"
 #include "planar_servo/lamps/rim/rim_band.h"
 #include "planar_servo/lamps/rim/rim_edges.h"

@@ -8,13 +8,13 @@
 #include <variant>
 #include <vector>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/vision_files.h"
 
 namespace planar {
 namespace {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/error_map/error_grid.h"
+#include "planar_servo/files/tables/grid_exports.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/learn/error_map/error_grid.h"
 #include "planar_servo/report/report_list.h"
-#include "planar_servo/tables/grid_exports.h"
 
 namespace planar {
 

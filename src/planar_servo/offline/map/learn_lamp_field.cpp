@@ -6,14 +6,14 @@
 #include <cmath>
 #include <map>
 
-#include "planar_servo/arm/transmission.h"
-#include "planar_servo/cell/device_kinds.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/devices/tracker.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/devices/tracker.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/map_file.h"
-#include "planar_servo/io/atomic_file.h"
+#include "planar_servo/geometry/arm/transmission.h"
+#include "planar_servo/hardware/cell/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 
 namespace planar {

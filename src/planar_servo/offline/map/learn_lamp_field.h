@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/core/progress.h"
-#include "planar_servo/field/arm/arm_model.h"
-#include "planar_servo/field/fit_lamp_field.h"
-#include "planar_servo/field/lay_information.h"
+#include "planar_servo/base/core/operator.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/learn/field/arm/arm_model.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
+#include "planar_servo/learn/field/lay_information.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 

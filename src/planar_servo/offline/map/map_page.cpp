@@ -7,13 +7,13 @@
 #include <iterator>
 #include <limits>
 
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/tool/vision_tip.h"
 
 namespace planar {
 namespace {

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/error_map/error_sample.h"
-#include "planar_servo/error_map/maps/valid_region.h"
-#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/learn/error_map/error_sample.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/field/arm/arm_fit.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/files/map_file.h"
+#include "planar_servo/learn/field/arm/arm_fit.h"
 #include "planar_servo/offline/calibrate_arm.h"
 
 namespace planar {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "planar_servo/error_map/compare_methods.h"
-#include "planar_servo/field/fit_lamp_field.h"
+#include "planar_servo/learn/error_map/compare_methods.h"
+#include "planar_servo/learn/field/fit_lamp_field.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/report/report_list.h"
 

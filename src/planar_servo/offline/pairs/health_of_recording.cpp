@@ -9,10 +9,10 @@
 #include <string>
 #include <tuple>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/health/arm_check.h"
-#include "planar_servo/vision/seen_cell.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/health/arm_check.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 namespace {

@@ -3,12 +3,12 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/health/cause.h"
-#include "planar_servo/health/health_record.h"
-#include "planar_servo/tables/lamp_table.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/vision/see_tool.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/health/cause.h"
+#include "planar_servo/loop/health/health_record.h"
+#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 

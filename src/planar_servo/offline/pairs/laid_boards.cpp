@@ -6,11 +6,11 @@
 #include <map>
 #include <optional>
 
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/statistics.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/workplane.h"
+#include "planar_servo/geometry/lens/workplane.h"
 #include "planar_servo/offline/calibrate_camera.h"
 
 namespace planar {

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/pose.h"
-#include "planar_servo/lens/camera_model.h"
-#include "planar_servo/lens/workplane.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/recording_tables.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/geometry/lens/camera_model.h"
+#include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar {
 

@@ -1,8 +1,8 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/tables/lamp_table.h"
+#include "planar_servo/files/tables/lamp_table.h"
 
 namespace planar {
 

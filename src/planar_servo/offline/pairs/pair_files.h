@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "planar_servo/calibration/workplane_calibration.h"
-#include "planar_servo/cell/cell_settings.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/health/health_record.h"
-#include "planar_servo/tables/pair_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/health/health_record.h"
 
 namespace planar {
 

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/core/text.h"
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/offline/pairs/recording_check.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/text_table.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {

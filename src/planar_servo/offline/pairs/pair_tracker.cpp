@@ -9,12 +9,12 @@
 #include <set>
 #include <utility>
 
-#include "planar_servo/arm/planar_arm.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/workplane_calibration.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/lens/workplane.h"
-#include "planar_servo/tool/vision_tip.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
+#include "planar_servo/geometry/lens/workplane.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 namespace {

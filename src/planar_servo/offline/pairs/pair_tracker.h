@@ -3,18 +3,18 @@
 #include <optional>
 #include <vector>
 
+#include "planar_servo/base/core/statistics.h"
 #include "planar_servo/calibration/pairing.h"
 #include "planar_servo/calibration/readings/tracker_clock.h"
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/calibration/workplane_calibration.h"
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/core/statistics.h"
+#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/offline/pairs/laid_boards.h"
 #include "planar_servo/offline/pairs/recording_check.h"
-#include "planar_servo/tables/lamp_table.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/tables/tracker_table.h"
 
 namespace planar {
 

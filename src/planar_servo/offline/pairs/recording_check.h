@@ -1,19 +1,31 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
-
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/pairing.h"
 #include "planar_servo/calibration/readings/change_point.h"
 #include "planar_servo/calibration/tracker_registration.h"
-#include "planar_servo/cell/cell_settings.h"
-#include "planar_servo/core/error.h"
-#include "planar_servo/tables/pair_table.h"
-#include "planar_servo/tables/recording_tables.h"
-#include "planar_servo/tables/tracker_table.h"
+#include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
 
 namespace planar {
+
+/// The axis of a turning joint.
+struct AxisPlace {
+  Eigen::Vector2d p{0.0, 0.0};  ///< metres, in the frame of the points
+  Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
+  double radius{0.0};
+};
+
+/// Fits a circle to points on a turning link, by Gauss-Newton on their distances from it. `sigma`
+/// is the least standard deviation that is assumed for a point, per axis; the points' own scatter
+/// may raise it. Empty for fewer than 6 points and for an arc that is too short.
+std::optional<AxisPlace> fit_axis(const std::vector<Eigen::Vector2d>& points, double sigma);
 
 // Compares a recording with what else is known about the cell. A contradiction throws InputError
 // with sizes, uncertainties and the remedy; what is less certain becomes a doubt with sizes, causes

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/offline/paper/ruled_page.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/offline/paper/page.h"
 
 namespace planar {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "planar_servo/core/error.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/offline/paper/ruled_page.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/offline/paper/page.h"
 
 namespace planar {
 namespace {

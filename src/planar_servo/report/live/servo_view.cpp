@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "planar_servo/core/units.h"
-#include "planar_servo/report/live/canvas.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/report/live/live_view.h"
 
 namespace planar {
 namespace {

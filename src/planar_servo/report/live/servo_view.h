@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/devices/frame_source.h"
+#include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/report/live/live_view.h"
 
 namespace planar {

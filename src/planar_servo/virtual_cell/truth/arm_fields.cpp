@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/io/fields.h"
+#include "planar_servo/base/io/fields.h"
 
 namespace planar {
 namespace {

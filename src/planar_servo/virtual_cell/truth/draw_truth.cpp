@@ -1,7 +1,7 @@
 #include <cmath>
 #include <string>
 
-#include "planar_servo/core/units.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"

@@ -2,11 +2,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "planar_servo/core/names.h"
-#include "planar_servo/core/units.h"
-#include "planar_servo/io/atomic_file.h"
-#include "planar_servo/io/yaml_reader.h"
-#include "planar_servo/io/yaml_writer.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/yaml_reader.h"
+#include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/virtual_cell/truth/arm_fields.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 #include "planar_servo/virtual_cell/truth/truth.h"

@@ -1,0 +1,201 @@
+#include "planar_servo/console/doctor/doctor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/geometry/lens/workplane.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/plausibility.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPlaces = 500;
+constexpr char kSubject[] = "camera's field";
+
+bool is_seen(const CameraSettings& camera, const Workplane& workplane, const Eigen::Vector2d& p_B) {
+  const auto uv_px = workplane.pixel_from_plane(p_B);
+  return uv_px && uv_px->minCoeff() >= 0.0 && uv_px->x() <= camera.width_px - 1.0 &&
+         uv_px->y() <= camera.height_px - 1.0;
+}
+
+std::vector<Finding> question_field(const CellSettings& cell, const Workplane& workplane) {
+  const std::vector<Eigen::Vector2d> places = reachable_places(cell);
+  std::vector<Eigen::Vector2d> unseen;
+  unseen.reserve(places.size());
+  for (const Eigen::Vector2d& p_B : places)
+    if (!is_seen(cell.camera, workplane, p_B)) unseen.push_back(p_B);
+  if (unseen.empty()) return {};
+  const double percent =
+      100.0 * static_cast<double>(unseen.size()) / static_cast<double>(places.size());
+  const Eigen::Vector2d example_mm = unseen.front() / kMillimetre;
+  return {{Finding::Verdict::kDoubtful, kSubject,
+           fmt::format("the camera does not see {:.0f} % of the places that workspace and joints "
+                       "allow, such as ({:.0f}, {:.0f}) mm",
+                       std::ceil(percent), example_mm.x(), example_mm.y()),
+           "make workspace.radius_max_mm smaller, or raise the camera and calibrate again"}};
+}
+
+using Verdict = Finding::Verdict;
+
+std::string origin_text(const std::filesystem::path& file) {
+  const std::string maker = read_maker(file);
+  if (maker.empty()) return "its origin is unknown";
+  std::vector<std::string> names;
+  for (const Origin& origin : read_origins(file)) names.push_back(origin.name);
+  if (names.empty()) return fmt::format("made by {}", maker);
+  return fmt::format("made by {} from {}", maker, fmt::join(names, ", "));
+}
+
+Finding examine_file(const MadeFile& file, bool is_stale) {
+  const std::string name = file.path.filename().string();
+  if (!std::filesystem::exists(file.path))
+    return {Verdict::kWell, name,
+            fmt::format("does not exist yet; {} makes it", program_for(file.role))};
+  return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
+}
+
+/// Reads a file as the programs that use it do, which throws InputError where they would. Some
+/// accept an error map that its own fit rejects; the reason is returned.
+std::optional<Refusal> objection_of(const CellSettings& cell, const MadeFile& file) {
+  switch (file.role) {
+    case Role::kCamera:
+      read_cell_camera(cell);
+      break;
+    case Role::kWorkplane:
+      require_reference_lamps(cell, read_workplane(file.path).reference_lamps);
+      break;
+    case Role::kTool:
+      read_tool(file.path);
+      break;
+    case Role::kErrorMap:
+      return objection(read_map(file.path).quality);
+    case Role::kHealth:
+      read_health(file.path);
+      break;
+    case Role::kArmFound:
+      read_found_arm(file.path);
+      break;
+    default:
+      throw std::logic_error("the doctor reads calibration files only");
+  }
+  return std::nullopt;
+}
+
+/// Says what is wrong in a file itself.
+std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& file) {
+  const std::string name = file.path.filename().string();
+  if (!std::filesystem::exists(file.path)) return {};
+  if (const auto change = later_change(file.path, read_file(file.path)))
+    return {faulty(name, *change)};
+  try {
+    const auto against = objection_of(cell, file);
+    if (!against) return {};
+    return {faulty(
+        name, *against,
+        "record more places and fit again; planar-servo moves by it only with --accept-map")};
+  } catch (const InputError& error) {
+    return {{Verdict::kFaulty, name, error.what(),
+             fmt::format("make it again with {}", program_for(file.role))}};
+  }
+}
+
+constexpr Named<Finding::Verdict> kVerdicts[] = {{Finding::Verdict::kWell, "well"},
+                                                 {Finding::Verdict::kDoubtful, "doubtful"},
+                                                 {Finding::Verdict::kFaulty, "faulty"}};
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell) {
+  const JointPlanner planner = joint_planner(cell);
+  const Eigen::Matrix2Xd all = spiral_over_disc(cell.workspace.radius_max_m, kPlaces);
+  std::vector<Eigen::Vector2d> places;
+  for (const Eigen::Vector2d p_B : all.colwise())
+    if (!planner.plan({p_B, cell.tool_orientation}, cell.arm.home).refusal) places.push_back(p_B);
+  return places;
+}
+
+std::vector<Finding> examine_files(const CellSettings& cell) {
+  std::vector<Finding> findings;
+  const std::vector<StaleFile> all_stale = stale_files(cell, true);
+  for (const MadeFile& file : made_files(cell, true)) {
+    std::vector<Finding> reasons = examine_content(cell, file);
+    for (const StaleFile& stale : all_stale)
+      if (stale.path == file.path)
+        reasons.push_back(faulty(file.path.filename().string(), stale.refusal));
+    findings.push_back(examine_file(file, !reasons.empty()));
+    findings.insert(findings.end(), reasons.begin(), reasons.end());
+  }
+  return findings;
+}
+
+std::vector<Finding> question_camera_field(const CellSettings& cell) {
+  if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane)) return {};
+  try {
+    return question_field(cell, {read_cell_camera(cell), read_workplane(cell.workplane).X_WC});
+  } catch (const InputError& error) {
+    return {{Finding::Verdict::kFaulty, kSubject, error.what(),
+             "make the file again, or name another one in the cell file"}};
+  }
+}
+
+std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
+  const CellSettings cell = read_cell(cell_file);
+  require_devices(cell);
+  std::vector<Finding> findings{
+      {Finding::Verdict::kWell, "cell file", cell_file.string() + " is in order"}};
+  for (Finding& finding : question_values(cell)) findings.push_back(std::move(finding));
+  for (Finding& finding : examine_files(cell)) findings.push_back(std::move(finding));
+  if (is_sound(findings))
+    for (Finding& finding : question_camera_field(cell)) findings.push_back(std::move(finding));
+  for (Finding& finding : cell.drives[0].kind->examine(cell))
+    findings.push_back(std::move(finding));
+  for (Finding& finding : cell.camera.kind->examine(cell)) findings.push_back(std::move(finding));
+  for (Finding& finding : cell.tracker.kind->examine(cell)) findings.push_back(std::move(finding));
+  return findings;
+}
+
+bool is_sound(const std::vector<Finding>& findings) {
+  return std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.verdict == Finding::Verdict::kFaulty;
+  });
+}
+
+std::string findings_text(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings) {
+    text += fmt::format("{:9} {}: {}\n", name_in(kVerdicts, finding.verdict), finding.subject,
+                        finding.what);
+    if (!finding.remedy.empty()) text += fmt::format("          -> {}\n", finding.remedy);
+  }
+  return text;
+}
+
+nlohmann::json findings_json(const std::vector<Finding>& findings) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Finding& finding : findings)
+    rows.push_back({{"verdict", name_in(kVerdicts, finding.verdict)},
+                    {"subject", finding.subject},
+                    {"what", finding.what},
+                    {"remedy", finding.remedy}});
+  return {{"findings", rows}};
+}
+
+}  // namespace planar

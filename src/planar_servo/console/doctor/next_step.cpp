@@ -1,0 +1,302 @@
+#include "planar_servo/console/doctor/next_step.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/console/doctor/doctor.h"
+#include "planar_servo/console/doctor/work_files.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/machine/plausibility.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Why a step is to be done; empty when it is not.
+using Reason = std::optional<std::string>;
+using State = WorkStep::State;
+
+constexpr int kFirstReadings = 200;  // those of the timetable in doc/afternoon.md
+constexpr int kMoreReadings = 40;
+// Those of README.md's figures without a tracker.
+constexpr int kPosesAlone = 1000, kLaysAlone = 12;
+
+WorkStep step(const std::string& name, const Reason& reason, const std::string& done,
+              const std::string& command) {
+  if (!reason) return {State::kDone, name, done};
+  return {State::kOpen, name, *reason, command};
+}
+
+WorkStep calculated(WorkStep step) {
+  step.is_calculated = true;
+  return step;
+}
+
+std::string command(const WorkFiles& work, const char* program, const std::string& rest) {
+  return fmt::format("{} --cell {}{}", program, shell_word(work.cell().file), rest);
+}
+
+WorkStep cell_step(const WorkFiles& work) {
+  Reason reason;
+  for (const Finding& finding : question_values(work.cell()))
+    if (finding.verdict == Finding::Verdict::kFaulty)
+      reason = fmt::format("{}; {}", finding.what, finding.remedy);
+  return step("cell file", reason, work.cell().file.string() + " is in order",
+              command(work, "planar-doctor", ""));
+}
+
+/// Returns whether readings of a tracker tell the error, perhaps written by its own software; else
+/// lays of a board and poses do.
+bool has_tracker(const WorkFiles& work) {
+  return work.cell().tracker.kind->measures() || !work.cell().datum.empty();
+}
+
+fs::path lays(const WorkFiles& work) {
+  return work.beside("lays.csv");
+}
+
+/// Fits the map or, where its own fit has rejected the one there is, plans more places first.
+std::string map_command(const WorkFiles& work) {
+  const CellSettings& cell = work.cell();
+  try {
+    if (fs::exists(cell.error_map) && objection(read_map(cell.error_map).quality))
+      return command(
+          work, "planar-plan",
+          fmt::format(" --readings {} --after {} -o {}", kMoreReadings, shell_word(work.pairs()),
+                      shell_word(work.next_of("plan", ".csv"))));
+  } catch (const InputError&) {
+    // One that cannot be read is fitted again.
+  }
+  return command(work, "planar-fit-error-map",
+                 fmt::format("{} --arm-out {} -o {} {}",
+                             has_tracker(work) ? "" : " --lays " + shell_word(lays(work)),
+                             shell_word(cell.arm_found.value_or(work.beside("arm.yaml"))),
+                             shell_word(cell.error_map), shell_word(work.pairs())));
+}
+
+WorkStep map_step(const WorkFiles& work) {
+  std::vector<fs::path> files{work.cell().error_map};
+  if (work.cell().arm_found) files.push_back(*work.cell().arm_found);
+  const Reason reason = work.reason_of(files);
+  return step("error map", reason, work.description(files[0]), reason ? map_command(work) : "");
+}
+
+/// `is_read`: the pairs themselves are needed, to fit the map. Without a tracker a person measures
+/// how thick the board is.
+WorkStep pair_step(const WorkFiles& work, bool is_read) {
+  const CellSettings& cell = work.cell();
+  std::vector<fs::path> files{cell.workplane, cell.tool};
+  if (cell.health) files.push_back(*cell.health);
+  if (is_read || fs::exists(work.pairs())) files.push_back(work.pairs());
+  std::string rest = cell.health ? " --health-out " + shell_word(*cell.health) : "";
+  Reason reason = work.reason_of(files);
+  if (!has_tracker(work)) {
+    rest += fmt::format(" --workplane-from grid --grid {} --board-thickness-mm T --lays-out {}",
+                        shell_word(work.board()), shell_word(lays(work)));
+    if (reason)
+      *reason +=
+          "; put for T by how far the board's dots lie above the lamps' plane, negative below";
+  }
+  return step(
+      "pairs", reason, work.description(files[0]),
+      command(work, "planar-pair-tracker",
+              fmt::format(" --lamps {} --recording {} --workplane-out {} --tool-out {}{} -o {}",
+                          shell_word(work.lamps()), shell_word(work.recording()),
+                          shell_word(cell.workplane), shell_word(cell.tool), rest,
+                          shell_word(work.pairs()))));
+}
+
+WorkStep lamp_step(const WorkFiles& work, bool is_read) {
+  Reason reason;
+  if (is_read || fs::exists(work.lamps())) reason = work.reason_of({work.lamps()});
+  return step(
+      "lamps", reason, work.description(work.lamps()),
+      command(work, "planar-locate-lamps",
+              fmt::format(" -o {} {}", shell_word(work.lamps()), shell_word(work.recording()))));
+}
+
+WorkStep camera_step(const WorkFiles& work) {
+  const fs::path& camera = work.cell().camera_model;
+  return step(
+      "camera", work.reason_of({camera}), work.description(camera),
+      fmt::format("planar-calibrate-camera --grid {} --model auto -o {} {}",
+                  shell_word(work.board()), shell_word(camera), shell_word(work.recording())));
+}
+
+/// A person shows the board to a real cell's camera.
+WorkStep recording_step(const WorkFiles& work, bool is_read) {
+  Reason reason;
+  fs::path plan = work.beside("plan.csv");
+  if (is_read && !work.is_recorded()) reason = work.recording().string() + " does not exist yet";
+  if (reason || work.is_recorded())
+    for (const fs::path& there : work.series("plan", ".csv")) {
+      const std::size_t count = work.unrecorded(there);
+      if (count == 0) continue;
+      plan = there;
+      reason = fmt::format("{} rows of {} are not recorded yet", count, there.string());
+    }
+  if (reason && has_tracker(work) && !work.cell().tracker.kind->measures())
+    *reason += "; state the tracker in " + work.cell().file.string() + " first";
+  return step("recording", reason, work.description(work.recording()),
+              command(work, "planar-record",
+                      fmt::format(" --plan {}{} --out {}", shell_word(plan),
+                                  work.cell().truth ? "" : " --grid " + shell_word(work.board()),
+                                  shell_word(work.recording()))));
+}
+
+WorkStep plan_step(const WorkFiles& work, bool is_read) {
+  const fs::path plan = work.beside("plan.csv");
+  Reason reason;
+  if (is_read) reason = work.reason_of({plan});
+  const std::string amount =
+      has_tracker(work)
+          ? fmt::format("--readings {}", kFirstReadings)
+          : fmt::format("--readings 0 --unattended {} --lays {}", kPosesAlone, kLaysAlone);
+  return step("plan", reason, work.description(plan),
+              command(work, "planar-plan", fmt::format(" {} -o {}", amount, shell_word(plan))));
+}
+
+/// Returns the steps from the plan to the map. A step's files are needed as long as a later step
+/// that reads them is to be done.
+std::vector<WorkStep> calibration_steps(const WorkFiles& work) {
+  const auto is_open = [](const WorkStep& step) { return step.state == State::kOpen; };
+  const WorkStep map = map_step(work);
+  const WorkStep pairs = pair_step(work, is_open(map));
+  const WorkStep lamps = lamp_step(work, is_open(pairs));
+  const WorkStep camera = camera_step(work);
+  const WorkStep recording =
+      recording_step(work, is_open(camera) || is_open(lamps) || is_open(pairs));
+  const WorkStep plan = plan_step(work, is_open(recording));
+  return {calculated(plan),  recording,         calculated(camera),
+          calculated(lamps), calculated(pairs), calculated(map)};
+}
+
+/// The arm that the fit found is used once the cell file names it.
+WorkStep arm_step(const WorkFiles& work) {
+  const CellSettings& cell = work.cell();
+  const fs::path arm = work.beside("arm.yaml");
+  Reason reason;
+  if (!cell.arm_found && fs::exists(arm))
+    reason = fmt::format("{} does not name {} yet", cell.file.string(), arm.string());
+  else if (!cell.arm_found && !fs::exists(cell.error_map))
+    reason = "it is found with the error map";
+  return step(
+      "found arm", reason,
+      cell.arm_found ? work.description(*cell.arm_found) : "none, which the loop can do without",
+      fmt::format("echo 'arm_found: arm.yaml' >>{}", shell_word(cell.file)));
+}
+
+/// Returns a command that writes three targets where the arm can go.
+std::string target_command(const WorkFiles& work) {
+  const std::vector<Eigen::Vector2d> places = reachable_places(work.cell());
+  constexpr const char* kNames[] = {"A", "B", "C"};
+  std::string rows;
+  for (std::size_t i = 0; i < std::size(kNames) && !places.empty(); ++i) {
+    const Eigen::Vector2d& p_B = places[(2 * i + 1) * places.size() / (2 * std::size(kNames))];
+    rows += fmt::format(" {},{:.0f},{:.0f}", kNames[i], mm(p_B.x()), mm(p_B.y()));
+  }
+  return fmt::format("printf '%s\\n' id,x_mm,y_mm{} >{}", rows,
+                     shell_word(work.beside("targets.csv")));
+}
+
+WorkStep target_step(const WorkFiles& work, bool is_read) {
+  const fs::path targets = work.beside("targets.csv");
+  Reason reason;
+  if (is_read && !fs::exists(targets))
+    reason = targets.string() + " does not exist yet; planar-jog --teach writes one, too";
+  return step("targets", reason, work.description(targets), target_command(work));
+}
+
+WorkStep run_step(const WorkFiles& work) {
+  Reason reason = "no run with this calibration yet";
+  std::string done;
+  for (const fs::path& run : work.folders("run"))
+    if (work.is_run_of_now(run)) {
+      reason.reset();
+      done = run.string() + " is a run with this calibration";
+    }
+  return step("positioning", reason, done,
+              command(work, "planar-servo",
+                      fmt::format(" --targets {} --out {}", shell_word(work.beside("targets.csv")),
+                                  shell_word(work.next_of("run")))));
+}
+
+/// A certificate that was begun is continued.
+WorkStep certificate_step(const WorkFiles& work) {
+  if (!has_tracker(work) && !work.cell().truth)
+    return {State::kDone, "certificate", "none, for which a tracker would have to judge the arm"};
+  Reason reason = "no certificate of this calibration yet";
+  fs::path out = work.next_of("certificate");
+  std::string done;
+  for (const fs::path& there : work.folders("certificate")) {
+    if (!fs::exists(there / "certificate.json")) out = there;
+    if (!work.is_certificate_of_now(there)) continue;
+    reason.reset();
+    done = there.string() + " certifies this calibration";
+  }
+  return step("certificate", reason, done,
+              command(work, "planar-certify", fmt::format(" --out {}", shell_word(out))));
+}
+
+constexpr Named<State> kStates[] = {
+    {State::kDone, "done"}, {State::kNext, "next"}, {State::kOpen, "open"}};
+
+}  // namespace
+
+std::string shell_word(const fs::path& path) {
+  std::string text = path.string();
+  const bool is_plain = std::all_of(text.begin(), text.end(), [](unsigned char letter) {
+    return std::isalnum(letter) != 0 ||
+           std::string_view("/._-+,:@").find(static_cast<char>(letter)) != std::string::npos;
+  });
+  if (is_plain) return text;
+  std::string quoted = "'";
+  for (const char letter : text) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return quoted + "'";
+}
+
+std::vector<WorkStep> work_steps(const fs::path& cell_file, const std::string& board) {
+  const WorkFiles work(cell_file, board);
+  std::vector<WorkStep> steps{cell_step(work)};
+  for (WorkStep& calibration : calibration_steps(work)) steps.push_back(std::move(calibration));
+  const WorkStep run = run_step(work);
+  steps.push_back(calculated(arm_step(work)));
+  steps.push_back(target_step(work, run.state == State::kOpen));
+  steps.push_back(run);
+  steps.push_back(certificate_step(work));
+  const auto next = std::find_if(steps.begin(), steps.end(),
+                                 [](const WorkStep& step) { return step.state == State::kOpen; });
+  if (next != steps.end()) next->state = State::kNext;
+  return steps;
+}
+
+std::string steps_text(const std::vector<WorkStep>& steps) {
+  std::string text;
+  for (const WorkStep& step : steps) {
+    text += fmt::format("{}  {:12} {}\n", name_in(kStates, step.state), step.name, step.what);
+    if (step.state == State::kNext) text += "      " + step.command + "\n";
+  }
+  const bool is_done = std::all_of(steps.begin(), steps.end(),
+                                   [](const WorkStep& step) { return step.state == State::kDone; });
+  return is_done ? text + "nothing is left to do\n" : text;
+}
+
+nlohmann::json steps_json(const std::vector<WorkStep>& steps) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const WorkStep& step : steps)
+    rows.push_back({{"state", name_in(kStates, step.state)},
+                    {"step", step.name},
+                    {"what", step.what},
+                    {"command", step.command}});
+  return {{"steps", rows}};
+}
+
+}  // namespace planar

@@ -1,0 +1,152 @@
+#include "planar_servo/files/tables/pair_table.h"
+
+#include <fmt/format.h>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/columns.h"
+#include "planar_servo/files/tables/grid_exports.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/table_columns.h"
+
+namespace planar {
+namespace {
+
+void list_lamps(Columns& columns, std::optional<std::array<Eigen::Vector2d, 2>>& lamps_B) {
+  std::optional<Eigen::Vector2d> first, second;
+  if (lamps_B) {
+    first = (*lamps_B)[0];
+    second = (*lamps_B)[1];
+  }
+  columns.optional_point("x_lamp1_mm", "y_lamp1_mm", first, kMillimetre, 6, Column::kOptional);
+  columns.optional_point("x_lamp2_mm", "y_lamp2_mm", second, kMillimetre, 6, Column::kOptional);
+  if (!columns.reading()) return;
+  lamps_B.reset();
+  if (first && second) lamps_B = {*first, *second};
+  columns.check(first.has_value() == second.has_value(),
+                {"has the place of one lamp", "both or none are needed"});
+}
+
+const TableSchema<PairRow>& pair_schema() {
+  static const TableSchema<PairRow> pairs{
+      "pairs", [](Columns& columns, PairRow& row) {
+        columns.text("id", row.id);
+        columns.point("x_vision_mm", "y_vision_mm", row.p_vision, kMillimetre, 6);
+        columns.optional_point("x_tracker_mm", "y_tracker_mm", row.p_tracker, kMillimetre, 6,
+                               Column::kRequired);
+        columns.optional_number("phi_deg", row.phi, kDegree, 6, Column::kOptional);
+        columns.optional_number("sigma_vision_mm", row.sigma_vision, kMillimetre, 6,
+                                Column::kOptional);
+        columns.optional_number("sigma_tracker_mm", row.sigma_tracker, kMillimetre, 6,
+                                Column::kOptional);
+        columns.choice("plan", row.plan, kPlans);
+        columns.text("place", row.place, Column::kOptional);
+        list_lamps(columns, row.lamps_B);
+        columns.optional_point("x_reflector_mm", "y_reflector_mm", row.p_reflector, kMillimetre, 6,
+                               Column::kOptional);
+        columns.optional_number("z_reflector_mm", row.z_reflector, kMillimetre, 6,
+                                Column::kOptional);
+        list_joints(columns, row.theta);
+        columns.optional_number("t_s", row.t_s, 1.0, 6, Column::kOptional);
+      }};
+  return pairs;
+}
+
+constexpr Named<bool> kPitches[] = {{true, "known"}, {false, "unknown"}};
+
+/// Lists a column that a table may lack: boards have a known pitch unless it says otherwise.
+void list_pitch(Columns& columns, bool& is_known) {
+  std::optional<bool> pitch = is_known;
+  columns.choice("pitch", pitch, kPitches);
+  is_known = pitch.value_or(true);
+}
+
+const TableSchema<LayRow>& lay_schema() {
+  static const TableSchema<LayRow> lays{
+      "lays", [](Columns& columns, LayRow& row) {
+        columns.text("lay", row.lay);
+        columns.point("x_board_mm", "y_board_mm", row.p_board, kMillimetre, 6);
+        columns.point("x_seen_mm", "y_seen_mm", row.p_seen, kMillimetre, 6);
+        columns.number("sigma_mm", row.sigma, kMillimetre, 6);
+        columns.check(row.sigma >= 0.0, {"sigma_mm is negative", "a standard deviation is needed"},
+                      "sigma_mm");
+        list_pitch(columns, row.pitch_known);
+      }};
+  return lays;
+}
+
+const TableSchema<ArmSampleRow>& arm_sample_schema() {
+  static const TableSchema<ArmSampleRow> samples{
+      "samples", [](Columns& columns, ArmSampleRow& row) {
+        columns.text("id", row.id);
+        list_joints(columns, row.theta);
+        columns.point("x_mm", "y_mm", row.p_B, kMillimetre, 6);
+        columns.number("sigma_mm", row.sigma, kMillimetre, 6);
+      }};
+  return samples;
+}
+
+/// Passes on what a table of errors over the plane says, each valid place as a pair.
+void read_grid(const std::filesystem::path& path, const std::function<void(const PairRow&)>& take) {
+  TableFile<ErrorGridRow> table(path, error_grid_schema());
+  std::size_t n_valid = 0;
+  for (ErrorGridRow row; table.next(row);) {
+    if (!row.valid.value_or(true)) continue;
+    ++n_valid;
+    PairRow pair;
+    pair.id = fmt::format("{:g},{:g}", mm(row.p.x()), mm(row.p.y()));
+    pair.p_vision = row.p;
+    pair.p_tracker = row.p - row.error;
+    pair.sigma_tracker = row.sigma;
+    take(pair);
+  }
+  table.throw_if_faulty_or_empty();
+  if (n_valid == 0) throw InputError({"has no valid place", "at least one is needed", path});
+}
+
+}  // namespace
+
+void read_pairs(const std::filesystem::path& path,
+                const std::function<void(const PairRow&)>& take) {
+  if (is_error_grid(path)) return read_grid(path, take);
+  TableFile<PairRow> table(path, pair_schema());
+  for (PairRow row; table.next(row);) take(row);
+  table.throw_if_faulty_or_empty();
+}
+
+std::vector<PairRow> read_pairs(const std::filesystem::path& path) {
+  std::vector<PairRow> rows;
+  read_pairs(path, [&](const PairRow& row) { rows.push_back(row); });
+  return rows;
+}
+
+std::string pairs_text(const std::vector<PairRow>& rows, const std::vector<std::string>& remarks) {
+  return pair_schema().text(rows, remarks);
+}
+
+std::vector<LayRow> read_lays(const std::filesystem::path& path) {
+  return TableFile<LayRow>(path, lay_schema()).rows();
+}
+
+std::string lays_text(const std::vector<LayRow>& rows, const std::vector<std::string>& remarks) {
+  return lay_schema().text(rows, remarks);
+}
+
+std::vector<ArmSampleRow> read_arm_samples(const std::filesystem::path& path) {
+  return TableFile<ArmSampleRow>(path, arm_sample_schema()).rows();
+}
+
+TableForm pair_form() {
+  return form_of(pair_schema());
+}
+
+TableForm lay_form() {
+  return form_of(lay_schema());
+}
+
+TableForm arm_sample_form() {
+  return form_of(arm_sample_schema());
+}
+
+}  // namespace planar

@@ -1,0 +1,148 @@
+#include "planar_servo/geometry/arm/joint_planner.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+
+namespace planar {
+namespace {
+
+/// Corrections by vision at a place may turn a motor this much further, radians: five millimetres
+/// at 0.3 m.
+constexpr double kCorrectionRoom = 1.0 * kDegree;
+
+/// The way of the end point while every motor makes its own move.
+class Way {
+ public:
+  Way(const PlanarArm& arm, const Transmission& transmission, const Joints& from, const Joints& to)
+      : arm_(arm),
+        transmission_(transmission),
+        moves_{move(0, from, to), move(1, from, to), move(2, from, to)} {}
+
+  double duration_s() const { return std::max(moves_[0].duration_s(), moves_[1].duration_s()); }
+
+  Joints joints_at(double t_s) const {
+    return transmission_.joints_from_motors(
+        {moves_[0].angle_at(t_s), moves_[1].angle_at(t_s), moves_[2].angle_at(t_s)});
+  }
+  Eigen::Vector2d point_at(double t_s) const { return arm_.forward(joints_at(t_s)).p; }
+
+  /// Returns a length that the end point's way between two times does not exceed. No motor turns
+  /// back, so a joint turns by no more than its motors together.
+  double length_bound_m(double from_s, double to_s) const {
+    double turned = 0.0, length = 0.0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double turn = std::abs(moves_[i].angle_at(to_s) - moves_[i].angle_at(from_s));
+      const bool relative = i > 0 && transmission_.coupling_matrix()(1, 0) != 0.0;
+      turned = relative ? turned + turn : turn;
+      length += arm_.geometry().link_lengths_m[static_cast<int>(i)] * turned;
+    }
+    return length;
+  }
+
+  /// Returns when, within an interval, the end point lies deepest beyond a border, to
+  /// JointPlanner::kWayResolution_m, as long as that is deeper than at `best_s`.
+  double deepest_s(const Border& border, double from_s, double to_s, double best_s) const {
+    const double middle_s = 0.5 * (from_s + to_s);
+    const double depth = border.depth_m(point_at(middle_s));
+    if (depth > border.depth_m(point_at(best_s))) best_s = middle_s;
+    const double reach = std::max(length_bound_m(from_s, middle_s), length_bound_m(middle_s, to_s));
+    if (depth + reach <=
+        std::max(0.0, border.depth_m(point_at(best_s))) + JointPlanner::kWayResolution_m)
+      return best_s;
+    best_s = deepest_s(border, from_s, middle_s, best_s);
+    return deepest_s(border, middle_s, to_s, best_s);
+  }
+
+ private:
+  MotorMove move(int motor, const Joints& from, const Joints& to) const {
+    return {transmission_.motors_from_joints(from)[motor],
+            transmission_.motors_from_joints(to)[motor],
+            transmission_.settings().drives[static_cast<std::size_t>(motor)]};
+  }
+
+  const PlanarArm& arm_;
+  const Transmission& transmission_;
+  std::array<MotorMove, 3> moves_;
+};
+
+}  // namespace
+
+JointPlanner::JointPlanner(const PlanarArm& arm, const Transmission& transmission,
+                           const Workspace& workspace, Elbow elbow, double approach_margin)
+    : arm_(arm),
+      transmission_(transmission),
+      workspace_(workspace),
+      elbow_(elbow),
+      approach_margin_(approach_margin) {}
+
+void JointPlanner::plan_for(FoundArm found) {
+  found.form.sense = arm_.sense();
+  found.form.joints_per_motor = transmission_.coupling_matrix().inverse();
+  for (int i = 0; i < 3; ++i)
+    found.form.gear_ratios[i] =
+        transmission_.settings().drives[static_cast<std::size_t>(i)].gear_ratio;
+  found_ = std::move(found);
+}
+
+std::optional<std::string> JointPlanner::refusal(const Joints& theta) const {
+  if (auto outside = workspace_.violation(arm_.forward(theta).p)) return outside;
+  return transmission_.limit_violation(theta);
+}
+
+std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const Joints& to) const {
+  const Way way(arm_, transmission_, from, to);
+  for (const Border& border : workspace_.borders()) {
+    const double deepest_s = way.deepest_s(border, 0.0, way.duration_s(), 0.0);
+    const Eigen::Vector2d deepest = way.point_at(deepest_s);
+    const double allowed = std::max(0.0, border.depth_m(way.point_at(0.0)));
+    if (border.depth_m(deepest) > allowed + kWayResolution_m)
+      return fmt::format(
+          "the way there leads {:.3f} mm {} of {:.3f} mm about {}, at {}; go round by targets in "
+          "between",
+          mm(border.depth_m(deepest)), border.words, mm(border.radius_m), place_mm(border.p_B),
+          place_mm(deepest));
+  }
+  return std::nullopt;
+}
+
+TipPose JointPlanner::reached(const Joints& commanded) const {
+  if (!found_) return arm_.forward(commanded);
+  return found_->tip(transmission_.motors_from_joints(commanded));
+}
+
+JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
+  const InverseResult inverse = arm_.inverse(target, elbow_, near);
+  if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
+  const auto branch = [&](const Transmission::Room& room) {
+    return transmission_.branch_within_limits(inverse.theta, near, room);
+  };
+  const std::optional<Joints> roomy = branch({approach_margin_ + kCorrectionRoom, kCorrectionRoom});
+  const Joints theta = roomy ? *roomy : branch({}).value_or(inverse.theta);
+  if (!found_) return {theta, refusal(theta)};
+  if (auto outside = workspace_.violation(target.p)) return {theta, outside};
+  const JointPlan plan = plan_as_found(target, theta);
+  return {plan.theta, plan.refusal ? plan.refusal : transmission_.limit_violation(plan.theta)};
+}
+
+JointPlan JointPlanner::plan_as_found(const TipPose& target, Joints theta) const {
+  constexpr int kSteps = 12;  // each is some ten times nearer than the one before
+  TipPose aim = target;
+  for (int step = 0; step < kSteps; ++step) {
+    const TipPose now = reached(theta);
+    aim.p += target.p - now.p;
+    aim.phi += wrap_angle(target.phi - now.phi);
+    const InverseResult inverse = arm_.inverse(aim, elbow_, theta);
+    if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
+    theta = inverse.theta;
+  }
+  return {theta, std::nullopt};
+}
+
+}  // namespace planar

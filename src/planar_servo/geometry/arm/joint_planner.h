@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "planar_servo/geometry/arm/found_arm.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
+#include "planar_servo/geometry/arm/transmission.h"
+
+namespace planar {
+
+/// Holds joint angles that reach a pose, or the reason why none do.
+struct JointPlan {
+  Joints theta{0.0, 0.0, 0.0};         ///< valid only without a refusal
+  std::optional<std::string> refusal;  ///< the reason in words, with the numbers
+};
+
+/// Decides where an arm may go before anything moves. It checks reach, workspace and motor limits,
+/// at the end and on the way there. Throws std::invalid_argument for numbers that are not finite.
+class JointPlanner {
+ public:
+  /// With an `approach_margin` (radians), plan() leaves every motor that much more room below.
+  JointPlanner(const PlanarArm& arm, const Transmission& transmission, const Workspace& workspace,
+               Elbow elbow, double approach_margin = 0.0);
+
+  /// Lets plan() return the joint angles to command so that an arm as it was found reaches the
+  /// target. Everything else stays with the arm as its files have it.
+  void plan_for(FoundArm found);
+
+  /// Returns the rule that forbids these joint angles, in words; empty when none does.
+  std::optional<std::string> refusal(const Joints& theta) const;
+
+  /// Returns why the end point must not take the way from rest at some joint angles to rest at
+  /// others, on which every motor makes its own MotorMove and all begin at once; empty when it may.
+  /// Nowhere may the way lead more than kWayResolution_m deeper beyond a border of the workspace
+  /// than where it begins, so that an arm that stands in a keep-out disc can leave it.
+  std::optional<std::string> way_refusal(const Joints& from, const Joints& to) const;
+
+  /// Depths on a way are known to this, metres: a hundredth of a millimetre.
+  static constexpr double kWayResolution_m{1e-5};
+
+  /// Returns the joint angles for `target` with the planner's elbow, each motor on the turn within
+  /// its limits that lies nearest to `near`. Turns are preferred that leave room for corrections.
+  JointPlan plan(const TipPose& target, const Joints& near) const;
+
+  /// Returns where these commanded joints bring the end point, by the arm as it was found. It
+  /// undoes plan().
+  TipPose reached(const Joints& commanded) const;
+
+  /// Returns that arm, with the sense, the coupling and the gears of the files.
+  const std::optional<FoundArm>& found() const { return found_; }
+  /// Returns its scatter, and by how much its base moves; 0 where no arm was found.
+  double scatter_m() const { return found_ ? found_->scatter_m : 0.0; }
+  double wander_m() const { return found_ ? found_->wander_m : 0.0; }
+  const PlanarArm& arm() const { return arm_; }
+  const Transmission& transmission() const { return transmission_; }
+
+ private:
+  /// Returns the joint angles, near `theta`, by which the arm as it was found reaches the target.
+  JointPlan plan_as_found(const TipPose& target, Joints theta) const;
+
+  PlanarArm arm_;
+  Transmission transmission_;
+  Workspace workspace_;
+  Elbow elbow_;
+  double approach_margin_;
+  std::optional<FoundArm> found_;
+};
+
+}  // namespace planar

@@ -1,0 +1,250 @@
+#include "planar_servo/hardware/cameras/aravis_kind.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/fields.h"
+#include "planar_servo/hardware/cameras/aravis_camera.h"
+#include "planar_servo/hardware/cameras/aravis_link.h"
+#include "planar_servo/hardware/cameras/aravis_settings.h"
+
+namespace planar {
+namespace {
+
+constexpr int kCameraBlocks = 6;  // the number that AravisCamera has
+constexpr double kTestLateness_s = 0.1;
+
+/// The remedy where a camera answers but refuses.
+constexpr char kCorrectSettings[] =
+    "correct the settings of `camera` in the cell file to suit this camera";
+
+void grab(AravisLink& link, const AravisSettings& settings, CameraInspection& inspection) {
+  SteadyClock clock;
+  const double period_s = 1.0 / settings.frame_rate_hz;
+  const bool commands = settings.trigger == CameraTrigger::kSoftware;
+  const double start_s = clock.now_s();
+  double next_s = start_s;
+  while (clock.now_s() < start_s + inspection.duration_s) {
+    if (commands) {
+      clock.sleep_for_s(next_s - clock.now_s());
+      next_s = clock.now_s() + period_s;
+      link.trigger();
+    }
+    const auto arrival = link.receive(settings.exposure_s + 2.0 * period_s + kTestLateness_s);
+    if (arrival) ++(arrival->complete ? inspection.complete : inspection.incomplete);
+  }
+}
+
+using Verdict = Finding::Verdict;
+
+constexpr double kGrab_s = 2.0;
+constexpr double kLeastRateShare = 0.9;  ///< of the frames that the file asks for
+constexpr double kMegabyte = 1e6;
+/// Frames of 26 MB in flight do not fit into the kernel's usual 16 MB.
+constexpr int kEnoughUsbMemory_mb = 64;
+
+/// Of a GigE packet: headers of IP, UDP and GVSP within its size; frame, preamble and gap of
+/// Ethernet around it, bytes.
+constexpr double kPacketHeaders = 20 + 8 + 8, kPacketFrame = 14 + 4 + 8 + 12;
+/// Of 5 Gbit/s about 3.2 carry data [USB 3.0 specification].
+constexpr double kUsbShare = 0.64;
+
+std::optional<double> capacity_bytes_s(const CameraInspection& seen, const CameraPath& path) {
+  if (!path.speed_bit_s) return std::nullopt;
+  const double bytes_s = *path.speed_bit_s / 8.0;
+  if (seen.packet_size == 0) return kUsbShare * bytes_s;
+  return bytes_s * (seen.packet_size - kPacketHeaders) / (seen.packet_size + kPacketFrame);
+}
+
+std::optional<CameraPath> path_of(const AravisSettings& settings) {
+  if (settings.address.empty()) return find_usb_path(settings.id);
+  return find_network_path(settings.address);
+}
+
+/// Says what to do where a camera obeys, but none of its frames arrives.
+std::string way_to_frames(const AravisSettings& settings, const CameraInspection& seen,
+                          const CameraPath& path) {
+  if (settings.trigger == CameraTrigger::kHardware) return "check that the trigger line pulses";
+  if (seen.packet_size == 0)
+    return "plug the camera into another socket, with a shorter cable; else switch its power off "
+           "and on";
+  return fmt::format(
+      "see what keeps its stream out: a firewall (let UDP from {} in), the reverse path filter "
+      "(sudo sysctl -w net.ipv4.conf.all.rp_filter=2 net.ipv4.conf.{}.rp_filter=2), packets of {} "
+      "bytes on a way that takes less (set camera.packet_size: 1400); else switch the camera's "
+      "power off and on",
+      settings.address, path.port, seen.packet_size);
+}
+
+constexpr int kMaxPacketSize = 65535;
+
+constexpr Named<CameraTrigger> kTriggers[] = {{CameraTrigger::kFreeRun, "free_run"},
+                                              {CameraTrigger::kSoftware, "software"},
+                                              {CameraTrigger::kHardware, "hardware"}};
+
+struct AravisDetails final : DeviceDetails {
+  AravisSettings settings;  ///< but for what every camera has
+};
+
+}  // namespace
+
+CameraInspection inspect_camera(const AravisSettings& settings, double duration_s) {
+  require_settings(settings);
+  CameraInspection inspection;
+  inspection.duration_s = duration_s;
+  const auto pixels = static_cast<std::size_t>(settings.sensor_px.area());
+  try {
+    FrameMemory memory(kCameraBlocks, bytes_of(pixel_format_named(settings.pixel_format), pixels));
+    AravisLink link(settings, memory);
+    inspection.identity = link.identity();
+    link.start({cv::Point(), settings.sensor_px});
+    grab(link, settings, inspection);
+    inspection.frame_bytes = link.frame_bytes();
+    inspection.packet_size = link.packet_size();
+    inspection.underruns = link.underruns();
+  } catch (const WorkError& error) {
+    inspection = {};
+    inspection.refusal = error.refusal();
+    if (inspection.refusal->remedy.empty()) inspection.refusal->remedy = kCorrectSettings;
+  }
+  return inspection;
+}
+
+std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings) {
+  try {
+    const auto path = path_of(settings);
+    if (path && !path->permitted)
+      return {{Verdict::kFaulty, "camera", path->port + " may not be opened",
+               "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
+               "udevadm trigger"}};
+    const CameraInspection seen = inspect_camera(settings, kGrab_s);
+    if (seen.refusal) return {faulty("camera", *seen.refusal)};
+    const std::string port = path ? " over " + path->port : "";
+    std::vector<Finding> findings{
+        {Verdict::kWell, "camera",
+         fmt::format("answers{}{}: {}", settings.address.empty() ? "" : " at " + settings.address,
+                     port, seen.identity)}};
+    const CameraPath known = path.value_or(CameraPath{});
+    for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known)})
+      findings.insert(findings.end(), judged.begin(), judged.end());
+    findings.push_back(judge_frames(camera, settings, seen, known));
+    return findings;
+  } catch (const InputError& error) {
+    return {{Verdict::kFaulty, "camera", error.what(), "correct the cell file"}};
+  } catch (const WorkError& error) {
+    return {faulty("camera", error.refusal())};
+  }
+}
+
+std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path) {
+  if (seen.packet_size == 0 || !path.mtu_bytes) return {};
+  const std::string what = fmt::format("packets have {} bytes; {} takes up to {}", seen.packet_size,
+                                       path.port, *path.mtu_bytes);
+  if (seen.packet_size <= *path.mtu_bytes) return {{Verdict::kWell, "packets", what}};
+  return {
+      {Verdict::kFaulty, "packets", what,
+       fmt::format("sudo ip link set dev {} mtu {}, or set camera.packet_size: {} in the cell file",
+                   path.port, seen.packet_size, *path.mtu_bytes)}};
+}
+
+std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
+                                     const CameraPath& path) {
+  const auto capacity = capacity_bytes_s(seen, path);
+  if (!capacity) return {};
+  const double full = static_cast<double>(seen.frame_bytes) * camera.frame_rate_hz;
+  const double side_px = camera.follow_region_px;
+  const double region = full * side_px * side_px / camera.width_px / camera.height_px;
+  const std::string what = fmt::format(
+      "at {:.4g} Hz full frames need {:.1f} MB/s and the region's {:.1f} MB/s; {} carries {:.0f} "
+      "MB/s",
+      camera.frame_rate_hz, full / kMegabyte, region / kMegabyte, path.port, *capacity / kMegabyte);
+  if (full <= *capacity) return {{Verdict::kWell, "bandwidth", what}};
+  const double possible_hz = camera.frame_rate_hz * *capacity / full;
+  return {{region <= *capacity ? Verdict::kDoubtful : Verdict::kFaulty, "bandwidth", what,
+           fmt::format("set camera.frame_rate_hz to at most {:.3g}, or use a faster link",
+                       possible_hz)}};
+}
+
+Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
+                     const CameraInspection& seen, const CameraPath& path) {
+  const double rate_hz = seen.complete / seen.duration_s;
+  const std::string what =
+      fmt::format("{} whole frames in {:.0f} s, {} with parts missing, {} without memory",
+                  seen.complete, seen.duration_s, seen.incomplete, seen.underruns);
+  const auto finding = [&](Verdict verdict, const std::string& remedy) {
+    return Finding{verdict, "frames", what, remedy};
+  };
+  if (seen.complete == 0 && seen.incomplete == 0)
+    return finding(Verdict::kFaulty, way_to_frames(settings, seen, path));
+  if (seen.incomplete > 0)
+    return finding(seen.complete == 0 ? Verdict::kFaulty : Verdict::kDoubtful,
+                   seen.packet_size == 0
+                       ? "plug the camera into a socket of its own, with a shorter cable"
+                       : fmt::format("sudo sysctl -w net.core.rmem_max=33554432; sudo ethtool -G "
+                                     "{} rx 4096",
+                                     path.port));
+  if (seen.underruns > 0)
+    return finding(Verdict::kDoubtful,
+                   "end what keeps the processors busy, or lower camera.frame_rate_hz");
+  if (rate_hz < kLeastRateShare * camera.frame_rate_hz)
+    return finding(Verdict::kDoubtful,
+                   fmt::format("end what keeps camera and processors busy, or set "
+                               "camera.frame_rate_hz to at most {:.3g}; the file has {:.4g}",
+                               rate_hz, camera.frame_rate_hz));
+  return finding(Verdict::kWell, "");
+}
+
+Finding examine_usb_memory(const std::filesystem::path& parameter) {
+  int memory_mb = 0;
+  if (!(std::ifstream(parameter) >> memory_mb))
+    return {Verdict::kDoubtful, "USB memory", parameter.string() + " cannot be read",
+            "load the kernel module usbcore"};
+  const std::string what = fmt::format("the kernel gives USB {} MB of memory", memory_mb);
+  if (memory_mb == 0 || memory_mb >= kEnoughUsbMemory_mb)  // 0: as much as there is
+    return {Verdict::kWell, "USB memory", what};
+  return {Verdict::kDoubtful, "USB memory",
+          fmt::format("{}; a USB3 camera needs {} MB", what, kEnoughUsbMemory_mb),
+          fmt::format("echo 1000 | sudo tee {} (for good: kernel argument "
+                      "usbcore.usbfs_memory_mb=1000)",
+                      parameter.string())};
+}
+
+std::shared_ptr<const DeviceDetails> AravisKind::read(Fields& camera) const {
+  auto details = std::make_shared<AravisDetails>();
+  AravisSettings& settings = details->settings;
+  if (camera.given("address", true)) camera.text("address", settings.address);
+  if (camera.given("id", true)) camera.text("id", settings.id);
+  camera.number("exposure_us", settings.exposure_s, kMicrosecond, Range::positive());
+  camera.number("gain_db", settings.gain_db);
+  camera.choice("pixel_format", settings.pixel_format, pixel_format_names());
+  camera.choice("trigger", settings.trigger, kTriggers);
+  if (camera.given("packet_size", true))
+    camera.whole_number("packet_size", settings.packet_size, 0, kMaxPacketSize);
+  return details;
+}
+
+AravisSettings aravis_settings(const CameraSettings& camera) {
+  AravisSettings settings = static_cast<const AravisDetails&>(*camera.details).settings;
+  settings.sensor_px = {camera.width_px, camera.height_px};
+  settings.frame_rate_hz = camera.frame_rate_hz;
+  settings.timeout_s = camera.timeout_s;
+  return settings;
+}
+
+std::shared_ptr<FrameSource> AravisKind::open(const CellSettings& cell,
+                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
+  return std::make_shared<AravisCamera>(aravis_settings(cell.camera));
+}
+
+std::vector<Finding> AravisKind::examine(const CellSettings& cell) const {
+  const AravisSettings settings = aravis_settings(cell.camera);
+  std::vector<Finding> findings = examine_camera(cell.camera, settings);
+  if (settings.address.empty()) findings.push_back(examine_usb_memory());
+  return findings;
+}
+
+}  // namespace planar

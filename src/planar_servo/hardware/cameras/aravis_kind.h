@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/hardware/cameras/aravis_settings.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+
+namespace planar {
+
+struct CameraPath;
+
+/// The behaviour of a camera that was opened and sent full frames for a moment.
+struct CameraInspection {
+  std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
+  std::string identity;            ///< maker, model, firmware and serial number
+  std::size_t frame_bytes{0};      ///< of a full frame
+  int packet_size{0};              ///< of GigE, bytes; 0 on USB
+  double duration_s{0.0};
+  int complete{0};
+  int incomplete{0};
+  std::uint64_t underruns{0};  ///< frames for which this machine had no memory free
+};
+
+/// Opens the camera with all settings, as a run would, and lets it send frames. Throws InputError
+/// for settings that no camera can have.
+CameraInspection inspect_camera(const AravisSettings& settings, double duration_s);
+
+/// Opens a camera as a run would and lets it send full frames for two seconds. Finds whether it
+/// answers and may be used, whether the link carries its packets and frames, and whether frames
+/// came damaged, late or not at all.
+std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings);
+
+// The checks of examine_camera().
+
+/// Judges whether packets pass the network; a camera on USB has none. No finding where nothing is
+/// known.
+std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path);
+
+/// Judges whether full frames, and those of the follow region, come at the frame rate of the file.
+/// No finding where the speed is unknown.
+std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
+                                     const CameraPath& path);
+
+/// Judges whether frames came whole and at the rate of the file.
+Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
+                     const CameraInspection& seen, const CameraPath& path);
+
+/// Judges whether the kernel gives USB enough memory for a USB3 camera. `parameter` is the kernel's
+/// file.
+Finding examine_usb_memory(
+    const std::filesystem::path& parameter = "/sys/module/usbcore/parameters/usbfs_memory_mb");
+
+/// A camera on GigE Vision or USB3 Vision: `source: aravis` in a cell file.
+class AravisKind final : public CameraKind {
+ public:
+  std::string name() const override { return "aravis"; }
+  std::shared_ptr<const DeviceDetails> read(Fields& camera) const override;
+  std::shared_ptr<FrameSource> open(const CellSettings& cell,
+                                    const std::shared_ptr<VirtualCell>& world) const override;
+  std::vector<Finding> examine(const CellSettings& cell) const override;
+};
+
+/// Returns the settings of a cell's camera of this kind.
+AravisSettings aravis_settings(const CameraSettings& camera);
+
+}  // namespace planar

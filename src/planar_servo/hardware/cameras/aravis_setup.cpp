@@ -1,0 +1,198 @@
+#include "planar_servo/hardware/cameras/aravis_setup.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/hardware/cameras/aravis_settings.h"
+
+namespace planar {
+namespace {
+
+/// Returns the name of the first input line that can start an exposure.
+std::string hardware_trigger(ArvCamera* camera) {
+  guint n = 0;
+  const std::unique_ptr<const char*, void (*)(gpointer)> sources(
+      ask("the camera does not list its trigger sources",
+          [&](GError** e) { return arv_camera_dup_available_trigger_sources(camera, &n, e); }),
+      g_free);
+  for (guint i = 0; i < n; ++i) {
+    std::string source = sources.get()[i];
+    if (source.rfind("Line", 0) == 0) return source;
+  }
+  throw WorkError("the camera has no input line that could trigger it");
+}
+
+template <typename GetBounds>
+void require_within(ArvCamera* camera, const char* what, double value, const char* unit,
+                    GetBounds get_bounds) {
+  double least = 0.0, most = 0.0;
+  ask(fmt::format("the camera does not report the bounds of {}", what),
+      [&](GError** e) { get_bounds(camera, &least, &most, e); });
+  if (value < least || value > most)
+    throw WorkError(fmt::format("the camera refuses {} of {:.6g} {}; it can do {:.6g} to {:.6g} {}",
+                                what, value, unit, least, most, unit));
+}
+
+void apply_picture(ArvCamera* camera, const AravisSettings& settings) {
+  ask("the camera refuses the pixel format " + settings.pixel_format, [&](GError** e) {
+    arv_camera_set_pixel_format(camera, arv_format(pixel_format_named(settings.pixel_format)), e);
+  });
+  const auto automatic_off = [&](const char* what, auto available, auto set) {
+    if (!ask(what, [&](GError** e) { return available(camera, e); })) return;
+    ask(what, [&](GError** e) { set(camera, ARV_AUTO_OFF, e); });
+  };
+  automatic_off("the camera does not switch its automatic exposure off",
+                arv_camera_is_exposure_auto_available, arv_camera_set_exposure_time_auto);
+  automatic_off("the camera does not switch its automatic gain off",
+                arv_camera_is_gain_auto_available, arv_camera_set_gain_auto);
+  apply_exposure(camera, {settings.exposure_s, settings.gain_db});
+}
+
+void apply_trigger(ArvCamera* camera, const AravisSettings& settings) {
+  if (settings.trigger == CameraTrigger::kFreeRun) {
+    ask("the camera refuses to run without a trigger",
+        [&](GError** e) { arv_camera_clear_triggers(camera, e); });
+    ask(fmt::format("the camera refuses {:.4g} frames/s", settings.frame_rate_hz),
+        [&](GError** e) { arv_camera_set_frame_rate(camera, settings.frame_rate_hz, e); });
+    return;
+  }
+  const std::string source =
+      settings.trigger == CameraTrigger::kSoftware ? "Software" : hardware_trigger(camera);
+  ask("the camera refuses the trigger " + source,
+      [&](GError** e) { arv_camera_set_trigger(camera, source.c_str(), e); });
+}
+
+void apply_packet_size(ArvCamera* camera, const AravisSettings& settings) {
+  if (settings.packet_size == 0) return;  // Aravis finds the largest size that passes
+  arv_camera_gv_set_packet_size_adjustment(camera, ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
+  ask(fmt::format("the camera refuses packets of {} bytes", settings.packet_size),
+      [&](GError** e) { arv_camera_gv_set_packet_size(camera, settings.packet_size, e); });
+}
+
+/// A camera obeys one program at a time. By the standard's default [GigE Vision 2.0,
+/// GevHeartbeatTimeout] it waits this long for a sign of life from a program that ended without
+/// closing it; seconds.
+constexpr double kLeave_s = 3.0;
+constexpr double kPatience_s = kLeave_s + 1.0, kPoll_s = 0.2;
+
+void take_control(ArvDevice* device, const std::string& address) {
+  SteadyClock clock;
+  const double end_s = clock.now_s() + kPatience_s;
+  while (arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == FALSE) {
+    if (clock.now_s() > end_s)
+      throw WorkError({"another program controls the GigE camera at " + address,
+                       "end that program; a camera obeys one at a time"});
+    clock.sleep_for_s(kPoll_s);
+    GError* refusal = nullptr;
+    arv_gv_device_take_control(ARV_GV_DEVICE(device), &refusal);
+    g_clear_error(&refusal);
+  }
+}
+
+GObjectPtr<ArvDevice> reach_gige(const std::string& address) {
+  const std::string local = local_address_towards(address);
+  const GObjectPtr<GInetAddress> ours(g_inet_address_new_from_string(local.c_str()));
+  const GObjectPtr<GInetAddress> theirs(g_inet_address_new_from_string(address.c_str()));
+  try {
+    return GObjectPtr<ArvDevice>(ask("no GigE camera answers at " + address, [&](GError** e) {
+      return arv_gv_device_new(ours.get(), theirs.get(), e);
+    }));
+  } catch (const WorkError& error) {
+    throw WorkError(
+        {error.what(), fmt::format("ping {0}; if nothing answers, check that the camera "
+                                   "has power and that this machine has an address in its "
+                                   "network (ip route get {0})",
+                                   address)});
+  }
+}
+
+}  // namespace
+
+ArvPixelFormat arv_format(PixelFormat format) {
+  // Aravis has no name for two of these numbers of GenICam's convention.
+  constexpr ArvPixelFormat kMono10p = 0x010a0046, kMono12p = 0x010c0047;
+  constexpr ArvPixelFormat kFormats[] = {
+      ARV_PIXEL_FORMAT_MONO_8,         ARV_PIXEL_FORMAT_MONO_10, kMono10p,
+      ARV_PIXEL_FORMAT_MONO_10_PACKED, ARV_PIXEL_FORMAT_MONO_12, kMono12p,
+      ARV_PIXEL_FORMAT_MONO_12_PACKED};
+  return kFormats[static_cast<std::size_t>(format)];
+}
+
+std::string identity_of(ArvCamera* camera) {
+  std::string who;
+  for (const auto& [words, feature] :
+       {std::pair("", "DeviceVendorName"), std::pair(" ", "DeviceModelName"),
+        std::pair(", firmware ", "DeviceFirmwareVersion"), std::pair(", version ", "DeviceVersion"),
+        std::pair(", serial number ", "DeviceSerialNumber")}) {
+    GError* ignored = nullptr;
+    const char* const told =
+        arv_device_get_string_feature_value(arv_camera_get_device(camera), feature, &ignored);
+    if (ignored == nullptr && told != nullptr) who += std::string(words) + told;
+    g_clear_error(&ignored);
+  }
+  return who;
+}
+
+void require_identity(ArvCamera* camera, const AravisSettings& settings) {
+  if (!settings.id.empty()) {
+    const std::string serial = ask("the camera does not report its serial number", [&](GError** e) {
+      return arv_camera_get_device_serial_number(camera, e);
+    });
+    if (serial != settings.id)
+      throw WorkError(fmt::format("the camera at {} has the serial number {}, not {}",
+                                  settings.address, serial, settings.id));
+  }
+  cv::Size sensor;
+  ask("the camera does not report its sensor size",
+      [&](GError** e) { arv_camera_get_sensor_size(camera, &sensor.width, &sensor.height, e); });
+  if (sensor != settings.sensor_px)
+    throw WorkError(fmt::format("the camera's sensor has {} x {} pixels; the cell says {} x {}",
+                                sensor.width, sensor.height, settings.sensor_px.width,
+                                settings.sensor_px.height));
+}
+
+void apply_settings(ArvCamera* camera, const AravisSettings& settings) {
+  apply_picture(camera, settings);
+  apply_trigger(camera, settings);
+  if (arv_camera_is_gv_device(camera)) apply_packet_size(camera, settings);
+}
+
+void apply_exposure(ArvCamera* camera, const CameraExposure& exposure) {
+  const double time_us = 1e6 * exposure.time_s;
+  require_within(camera, "an exposure", time_us, "us", arv_camera_get_exposure_time_bounds);
+  require_within(camera, "a gain", exposure.gain_db, "dB", arv_camera_get_gain_bounds);
+  ask(fmt::format("the camera refuses an exposure of {:.0f} us", time_us),
+      [&](GError** e) { arv_camera_set_exposure_time(camera, time_us, e); });
+  ask(fmt::format("the camera refuses a gain of {} dB", exposure.gain_db),
+      [&](GError** e) { arv_camera_set_gain(camera, exposure.gain_db, e); });
+}
+
+GObjectPtr<ArvCamera> open_gige(const std::string& address) {
+  const GObjectPtr<ArvDevice> device = reach_gige(address);
+  take_control(device.get(), address);
+  return GObjectPtr<ArvCamera>(
+      ask("the GigE camera at " + address + " does not open",
+          [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
+}
+
+GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
+  for (const char* other : {"GigEVision", "Fake"}) arv_disable_interface(other);
+  arv_update_device_list();
+  std::string present;
+  for (unsigned int i = 0; i < arv_get_n_devices(); ++i) {
+    const std::string found = arv_get_device_serial_nbr(i);
+    present += (present.empty() ? "" : ", ") + found;
+    if (!serial.empty() && found != serial) continue;
+    const char* device = arv_get_device_id(i);
+    return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
+                                     [&](GError** e) { return arv_camera_new(device, e); }));
+  }
+  throw WorkError({fmt::format("no USB camera{} is plugged in{}",
+                               serial.empty() ? "" : " with the serial number " + serial,
+                               present.empty() ? "" : " (there are: " + present + ")"),
+                   "check the camera's cable and power; lsusb -t shows what is plugged in"});
+}
+
+}  // namespace planar

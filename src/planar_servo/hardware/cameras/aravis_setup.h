@@ -1,0 +1,66 @@
+#pragma once
+
+#include <arv.h>
+#include <glib-object.h>
+
+#include <memory>
+#include <string>
+#include <type_traits>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/hardware/cameras/aravis_settings.h"
+
+namespace planar {
+
+struct Unref {
+  void operator()(gpointer object) const { g_object_unref(object); }
+};
+template <typename T>
+using GObjectPtr = std::unique_ptr<T, Unref>;
+
+/// Makes a call that reports its failure by GError, and throws it as a WorkError that begins with
+/// `what`.
+template <typename Call>
+auto ask(const std::string& what, Call call) {
+  GError* error = nullptr;
+  const auto refuse = [&] {
+    if (error == nullptr) return;
+    const std::string message = error->message;
+    g_error_free(error);
+    throw WorkError(what + ": " + message);
+  };
+  if constexpr (std::is_void_v<decltype(call(&error))>) {
+    call(&error);
+    refuse();
+  } else {
+    const auto answer = call(&error);
+    refuse();
+    return answer;
+  }
+}
+
+// All of these throw WorkError when the camera does not answer or refuses.
+
+ArvPixelFormat arv_format(PixelFormat format);
+
+/// Returns maker, model, firmware and serial number, as far as the camera tells them.
+std::string identity_of(ArvCamera* camera);
+
+/// Throws unless the camera has the serial number and sensor size of the settings.
+void require_identity(ArvCamera* camera, const AravisSettings& settings);
+
+/// Sets pixel format, exposure, gain, trigger and packet size.
+void apply_settings(ArvCamera* camera, const AravisSettings& settings);
+
+void apply_exposure(ArvCamera* camera, const CameraExposure& exposure);
+
+/// Opens the GigE Vision camera at `address` without any broadcast, and waits some seconds while
+/// another program controls it. Throws WorkError when none answers, and when that program stays.
+GObjectPtr<ArvCamera> open_gige(const std::string& address);
+
+/// Opens the USB3 Vision camera with this serial number, or the first one when `serial` is empty.
+/// Throws WorkError when there is none or it does not open.
+GObjectPtr<ArvCamera> open_usb(const std::string& serial);
+
+}  // namespace planar

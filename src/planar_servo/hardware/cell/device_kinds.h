@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/core/error.h"
+
+namespace planar {
+
+class DriveGroup;
+class Fields;
+class FrameSource;
+class Tracker;
+class VirtualCell;
+struct CellSettings;
+
+/// Says how one part of a cell was found, and the remedy if it is not well.
+struct Finding {
+  enum class Verdict { kWell, kDoubtful, kFaulty };
+  Verdict verdict{Verdict::kWell};
+  std::string subject;   ///< the examined part, such as "drive 2"
+  std::string what;      ///< what was found, in words
+  std::string remedy{};  ///< a command or an action; empty when all is well
+};
+
+/// Returns a refusal as a fault of `subject`, with the remedy `otherwise` where it names none.
+inline Finding faulty(const std::string& subject, const Refusal& refusal,
+                      const std::string& otherwise = "") {
+  return {Finding::Verdict::kFaulty, subject, Refusal{refusal.fault, "", refusal.where}.text(),
+          refusal.remedy.empty() ? otherwise : refusal.remedy};
+}
+
+/// Base of the settings that only one kind of device has. Each kind derives its own and alone reads
+/// them.
+struct DeviceDetails {
+  virtual ~DeviceDetails() = default;
+};
+
+/// Base of all kinds of devices. A cell file names its kind.
+class DeviceKind {
+ public:
+  virtual ~DeviceKind() = default;
+
+  /// Returns the name of this kind in a cell file.
+  virtual std::string name() const = 0;
+
+  /// Returns true for devices that exist only in a virtual cell. Virtual and real devices do not
+  /// mix.
+  virtual bool is_virtual() const { return false; }
+
+  /// Says what is well with a cell's devices of this kind and what is not. It moves nothing and
+  /// switches nothing on.
+  virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
+};
+
+/// One kind of camera. It reads its own keys of a cell file's `camera` block, opens the camera, and
+/// examines it for the doctor.
+class CameraKind : public DeviceKind {
+ public:
+  /// Returns why no camera of this kind can be opened and what to do instead; empty when one can.
+  virtual std::optional<Refusal> refusal() const { return std::nullopt; }
+
+  /// Reads the keys that only this kind has. Faults go to the document.
+  virtual std::shared_ptr<const DeviceDetails> read(Fields& /*camera*/) const { return nullptr; }
+
+  /// Opens the camera of a cell whose camera is of this kind. `world` is the cell's virtual world
+  /// for a virtual kind and null for the others. Throws WorkError when the camera does not answer,
+  /// and InputError for settings that it cannot have.
+  virtual std::shared_ptr<FrameSource> open(const CellSettings& cell,
+                                            const std::shared_ptr<VirtualCell>& world) const = 0;
+};
+
+/// One kind of drive. It reads its own keys of an item of `drives`, opens the drives, and examines
+/// them for the doctor. The three joints of a cell have drives of one kind.
+class DriveKind : public DeviceKind {
+ public:
+  /// Returns the lines of an item of `drives` in a new cell file that hold the keys which only this
+  /// kind has, indented by four, each with a comment. Joints count from 0. `mark_deg` is the
+  /// motor's angle behind its gear in the new cell's home pose.
+  virtual std::string new_keys(std::size_t /*joint*/, double /*mark_deg*/) const { return ""; }
+
+  /// Reads the keys that only this kind has from an item of `drives` into the settings of a joint.
+  /// Joints count from 0. Faults go to the document.
+  virtual void read(Fields& /*drive*/, CellSettings& /*cell*/, std::size_t /*joint*/) const {}
+
+  /// Fills in what follows from other settings. It is called once the whole file is free of faults.
+  virtual void complete(CellSettings& /*cell*/, std::size_t /*joint*/) const {}
+
+  /// Opens the drives of a cell whose drives are of this kind. `world` is as in CameraKind::open().
+  /// Throws DriveError when a drive cannot be used.
+  virtual std::shared_ptr<DriveGroup> open(const CellSettings& cell,
+                                           const std::shared_ptr<VirtualCell>& world) const = 0;
+};
+
+/// One kind of tracker. It reads its own keys of a cell file's `tracker` block, opens the tracker,
+/// and examines it for the doctor.
+class TrackerKind : public DeviceKind {
+ public:
+  /// Returns false when what this kind opens never gives a reading.
+  virtual bool measures() const { return true; }
+
+  /// Returns whether a person takes the readings, who reads each monument only once.
+  virtual bool by_hand() const { return false; }
+
+  /// Reads the keys that only this kind has. Faults go to the document.
+  virtual std::shared_ptr<const DeviceDetails> read(Fields& /*tracker*/) const { return nullptr; }
+
+  /// Opens the tracker of a cell whose tracker is of this kind. `world` is as in
+  /// CameraKind::open(). Throws WorkError when the tracker cannot be heard at all.
+  virtual std::shared_ptr<Tracker> open(const CellSettings& cell,
+                                        const std::shared_ptr<VirtualCell>& world) const = 0;
+};
+
+/// Lists the kinds of devices that a cell file may name.
+struct DeviceKinds {
+  std::vector<const CameraKind*> cameras;
+  std::vector<const DriveKind*> drives;
+  std::vector<const TrackerKind*> trackers;
+};
+
+}  // namespace planar

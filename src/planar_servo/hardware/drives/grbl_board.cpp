@@ -1,0 +1,351 @@
+#include "planar_servo/hardware/drives/grbl_board.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <grp.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <variant>
+#include <vector>
+
+#include "planar_servo/base/core/error.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kWritePatience_s = 0.1;
+constexpr std::size_t kLongestLine = 1000;
+
+struct Baud {
+  int bits_s;
+  speed_t speed;
+};
+constexpr Baud kBauds[] = {{9600, B9600},     {19200, B19200},   {38400, B38400},
+                           {57600, B57600},   {115200, B115200}, {230400, B230400},
+                           {460800, B460800}, {921600, B921600}, {1000000, B1000000}};
+
+std::string why_errno() {
+  return std::generic_category().message(errno);
+}
+
+std::string ports_here() {
+  std::vector<std::string> names;
+  std::error_code fault;
+  for (const auto& entry : fs::directory_iterator("/dev/serial/by-id", fault))
+    names.push_back(entry.path().string());
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string group_of(const std::string& port) {
+  struct stat about {};
+  if (stat(port.c_str(), &about) != 0) return "dialout";
+  const group* const its = getgrgid(about.st_gid);
+  return its == nullptr ? "dialout" : its->gr_name;
+}
+
+/// Pseudo-terminals [Linux, Documentation/admin-guide/devices.txt].
+bool is_pseudo_terminal(const struct stat& port) {
+  constexpr unsigned kPseudoTerminals = 136;
+  return major(port.st_rdev) == kPseudoTerminals;
+}
+
+/// Returns whether a process has the port open and does not play the device at its other end.
+bool shares(const fs::path& process, const struct stat& port) {
+  std::error_code fault;
+  bool has_it = false;
+  const std::string played = fmt::format("tty-index:\t{}\n", minor(port.st_rdev));
+  for (fs::directory_iterator at(process / "fd", fault), end; at != end; at.increment(fault)) {
+    struct stat about {};
+    if (stat(at->path().c_str(), &about) != 0 || !S_ISCHR(about.st_mode)) continue;
+    has_it = has_it || (about.st_rdev == port.st_rdev && about.st_dev == port.st_dev);
+    std::ifstream file(process / "fdinfo" / at->path().filename());
+    const std::string info(std::istreambuf_iterator<char>(file), {});
+    if (is_pseudo_terminal(port) && info.find(played) != std::string::npos) return false;
+  }
+  return has_it;
+}
+
+/// Names the other programs that have a port open, as far as this user may see: "cat (4711)".
+std::string holders_of(const std::string& port) {
+  std::vector<std::string> holders;
+  std::error_code fault;
+  struct stat about {};
+  if (stat(port.c_str(), &about) != 0) return "";
+  for (fs::directory_iterator at("/proc", fault), end; at != end; at.increment(fault)) {
+    const std::string id = at->path().filename();
+    if (id.find_first_not_of("0123456789") != std::string::npos || id == std::to_string(getpid()) ||
+        !shares(at->path(), about))
+      continue;
+    std::string name;
+    std::ifstream(at->path() / "comm") >> name;
+    holders.push_back(fmt::format("{} ({})", name, id));
+  }
+  return fmt::format("{}", fmt::join(holders, ", "));
+}
+
+Refusal in_use(const std::string& port) {
+  const std::string holders = holders_of(port);
+  return {port + " is in use by another program" + (holders.empty() ? "" : ": " + holders),
+          fmt::format("end that program (sudo fuser -v {} names it)", port)};
+}
+
+Refusal why_not_opened(const std::string& port) {
+  switch (errno) {
+    case ENOENT:
+      return {fmt::format("{} does not exist (serial ports here: {})", port, ports_here()),
+              "plug the board in, or correct `port` in the cell file"};
+    case EACCES:
+      return {port + " may not be opened",
+              fmt::format(
+                  "install the udev rules by the package planar-servo (or sudo cmake "
+                  "--install build/release) or join the port's group (sudo usermod -aG {} $USER), "
+                  "then plug the board in and log in again",
+                  group_of(port))};
+    case EBUSY:
+      return in_use(port);
+    default:
+      return {fmt::format("{} cannot be opened: {}", port, why_errno()),
+              "name the board's serial port as `port` in the cell file"};
+  }
+}
+
+/// Makes the port carry bytes as they are. It does not hang up when it is closed: that would reset
+/// many boards.
+bool make_raw(int descriptor, int baud) {
+  termios settings{};
+  if (tcgetattr(descriptor, &settings) != 0) return false;
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL | CSTOPB | CRTSCTS);
+  for (const Baud& known : kBauds)
+    if (known.bits_s == baud) cfsetspeed(&settings, known.speed);
+  return tcsetattr(descriptor, TCSANOW, &settings) == 0 && tcflush(descriptor, TCIOFLUSH) == 0;
+}
+
+/// Many boards restart when their port is opened; this many attempts of this duration give them
+/// time.
+constexpr int kResetAttempts = 4;
+constexpr double kResetPatience_s = 1.0;
+constexpr double kSettingsPatience_s = 0.1;
+constexpr int kSettingsAttempts = 30;
+/// As many more for a board with an ESP32, which says its boot text and may then look for its
+/// wireless network for 20 s [Grbl_ESP32, WifiConfig].
+constexpr int kBootAttempts = 25;
+constexpr const char* kBootTexts[] = {"ets Jun", "rst:0x", "ESP-ROM:"};
+/// What Grbl, then printers' boards, understand as a question for their firmware.
+constexpr const char* kWhoAreYou = "\n$I\nM115\n";
+
+}  // namespace
+
+SerialLine::SerialLine(const std::string& port, int baud)
+    : descriptor_(open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
+  if (descriptor_ < 0) throw WorkError(why_not_opened(port));
+  std::optional<Refusal> fault;
+  struct stat about {};
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 || !holders_of(port).empty())
+    fault = in_use(port);
+  else if (!make_raw(descriptor_, baud) || fstat(descriptor_, &about) != 0)
+    fault = why_not_opened(port);
+  else if (!is_pseudo_terminal(about))  // whose other end would keep it locked after a kill
+    ioctl(descriptor_, TIOCEXCL);
+  if (!fault) return;
+  close(descriptor_);
+  throw WorkError(*fault);
+}
+
+SerialLine::~SerialLine() {
+  close(descriptor_);
+}
+
+std::vector<int> SerialLine::bauds() {
+  std::vector<int> bauds;
+  bauds.reserve(std::size(kBauds));
+  for (const Baud& baud : kBauds) bauds.push_back(baud.bits_s);
+  return bauds;
+}
+
+bool SerialLine::wait_for(short events, double timeout_s) const {
+  pollfd waiting{descriptor_, events, 0};
+  return poll(&waiting, 1, static_cast<int>(std::ceil(timeout_s * 1e3))) > 0;
+}
+
+void SerialLine::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::write(descriptor_, bytes.data(), bytes.size());
+    if (sent > 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    } else if (errno != EAGAIN && errno != EINTR) {
+      throw WorkError("its line is closed: " + why_errno());
+    } else if (!wait_for(POLLOUT, kWritePatience_s)) {
+      throw WorkError("its line accepts nothing more");
+    }
+  }
+}
+
+std::optional<std::string> SerialLine::take_line() {
+  const std::size_t end = received_.find_first_of("\r\n");
+  if (end == std::string::npos && received_.size() < kLongestLine) return std::nullopt;
+  std::string line = received_.substr(0, end);
+  received_.erase(0, received_.find_first_not_of("\r\n", end));
+  return line;
+}
+
+std::optional<std::string> SerialLine::read(double timeout_s) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  for (;;) {
+    if (auto line = take_line()) return line;
+    std::array<char, 512> bytes{};
+    const ssize_t got = ::read(descriptor_, bytes.data(), bytes.size());
+    if (got > 0) {
+      received_.append(bytes.data(), static_cast<std::size_t>(got));
+      continue;
+    }
+    if (got == 0) throw WorkError("its line is closed: is it unplugged?");
+    if (errno != EAGAIN && errno != EINTR)
+      throw WorkError(fmt::format("its line is closed: is it unplugged? ({})", why_errno()));
+    const std::chrono::duration<double> left = deadline - std::chrono::steady_clock::now();
+    if (left.count() <= 0.0) return std::nullopt;
+    wait_for(POLLIN, left.count());
+  }
+}
+
+GrblBoard::GrblBoard(const std::string& port, int baud) : line_(port, baud), port_(port) {
+  find_board(baud);
+  if (const auto foreign = grbl::foreign_firmware(said_))
+    throw WorkError({port + " " + foreign->fault, foreign->remedy});
+  read_settings();
+}
+
+void GrblBoard::find_board(int baud) {
+  std::string otherwise;
+  for (int i = 0; i < (boots() ? kBootAttempts : kResetAttempts); ++i) {
+    tell(grbl::kReset);
+    if (const auto banner = hear_banner(kResetPatience_s, otherwise)) {
+      version_ = *banner;
+      send("$I");
+      for (int k = 0; k < kSettingsAttempts && unanswered() > 0; ++k)
+        if (!hear(kSettingsPatience_s)) tell(grbl::kAskStatus);
+      forget_unanswered();
+      return;
+    }
+  }
+  line_.write(kWhoAreYou);
+  hear_banner(kResetPatience_s, otherwise);
+  if (grbl::foreign_firmware(said_)) return;
+  const std::string what = otherwise.empty() ? "nothing"
+                           : boots()         ? "an ESP32's boot text and then no greeting of Grbl"
+                                             : "'" + otherwise + "', which is not Grbl's,";
+  throw WorkError(
+      {fmt::format("{} says {} at {} baud", port_, what, baud),
+       fmt::format("give the board power, correct `port` and `baud` in the cell file, and end what "
+                   "else has the port open (sudo fuser -v {})",
+                   port_)});
+}
+
+bool GrblBoard::boots() const {
+  return std::any_of(std::begin(kBootTexts), std::end(kBootTexts),
+                     [&](const char* text) { return said_.find(text) != std::string::npos; });
+}
+
+std::optional<grbl::Banner> GrblBoard::hear_banner(double timeout_s, std::string& otherwise) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  for (;;) {
+    const std::chrono::duration<double> left = deadline - std::chrono::steady_clock::now();
+    const auto line = hear(std::max(0.0, left.count()));
+    if (!line) return std::nullopt;
+    if (const auto* banner = std::get_if<grbl::Banner>(&*line)) return *banner;
+    if (const auto* garbage = std::get_if<grbl::Garbage>(&*line)) otherwise = garbage->text;
+  }
+}
+
+void GrblBoard::read_settings() {
+  send("$$");
+  for (int failures = 0; failures < kSettingsAttempts;) {
+    const auto line = hear(kSettingsPatience_s);
+    // A question makes boards continue that read bytes in batches, as simulators do.
+    if (!line) tell(grbl::kAskStatus);
+    if (!line || std::holds_alternative<grbl::Report>(*line)) {
+      ++failures;
+      continue;
+    }
+    if (const auto* setting = std::get_if<grbl::StoredSetting>(&*line))
+      settings_[setting->number] = setting->value;
+    const bool answered = std::holds_alternative<grbl::Accepted>(*line);
+    if (answered && !settings_.empty()) return;
+    if (answered || std::holds_alternative<grbl::Banner>(*line)) {
+      ++failures;
+      send("$$");
+    }
+    if (const auto* rejected = std::get_if<grbl::Rejected>(&*line))
+      throw WorkError("it does not report its settings: " + grbl::error_words(rejected->error));
+  }
+  throw WorkError("it does not report its settings");
+}
+
+void GrblBoard::tell(char byte) {
+  line_.write({&byte, 1});
+}
+
+void GrblBoard::send(const std::string& line) {
+  line_.write(line + "\n");
+  unanswered_.push_back(line);
+}
+
+std::optional<grbl::Line> GrblBoard::hear(double timeout_s) {
+  const auto text = line_.read(timeout_s);
+  if (!text) return std::nullopt;
+  if (settings_.empty()) said_ += *text + '\n';
+  grbl::Line line = grbl::parse_line(*text);
+  const bool answer =
+      std::holds_alternative<grbl::Accepted>(line) || std::holds_alternative<grbl::Rejected>(line);
+  if (answer && !unanswered_.empty()) {
+    answered_ = unanswered_.front();
+    unanswered_.pop_front();
+  }
+  if (std::holds_alternative<grbl::Banner>(line)) unanswered_.clear();
+  return line;
+}
+
+std::string GrblBoard::inputs_on() {
+  std::optional<std::string> on;
+  for (int i = 0; i < kSettingsAttempts; ++i) {
+    tell(grbl::kAskStatus);
+    const auto line = hear(kSettingsPatience_s);
+    const auto* report = line ? std::get_if<grbl::Report>(&*line) : nullptr;
+    if (report == nullptr) continue;
+    if (on == report->pins) return *on;
+    on = report->pins;
+  }
+  throw WorkError("it does not report its state");
+}
+
+std::string GrblBoard::sharers(const std::string& lead) const {
+  const std::string holders = holders_of(port_);
+  return holders.empty() ? "" : lead + "another program has its port open, too: " + holders;
+}
+
+void GrblBoard::reset() {
+  tell(grbl::kReset);
+  std::string otherwise;
+  if (!hear_banner(kResetPatience_s, otherwise))
+    throw WorkError("it does not come back from a reset");
+}
+
+}  // namespace planar

@@ -1,0 +1,433 @@
+#include "planar_servo/hardware/robot/planar_robot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "planar_servo/base/core/units.h"
+
+namespace planar {
+namespace {
+
+/// The least limit of speed (pulses/s) and acceleration (pulses/s^2). Drives take no limit of 0,
+/// and a motor as slow as this counts as resting.
+constexpr double kLeastLimit = 1.0;
+
+Eigen::Vector3d scaled(const Eigen::Vector3d& velocity, const std::array<DriveLimits, 3>& rated) {
+  double excess = 1.0;
+  for (std::size_t i = 0; i < 3; ++i)
+    excess = std::max(excess, std::abs(velocity[i]) / rated[i].speed_pulses_s);
+  return velocity / excess;
+}
+
+/// Returns the present velocity of a motor that changes from one velocity to another with its
+/// acceleration.
+double velocity_now(const VelocityMove& last, std::size_t i, double now_s) {
+  const double change = last.limits[i].acceleration_pulses_s2 * (now_s - last.t_s);
+  return last.from[i] + std::clamp(last.velocity[i] - last.from[i], -change, change);
+}
+
+/// Returns the accelerations with which all motors make these changes of velocity in the same time,
+/// which is the shortest that their limits allow.
+Eigen::Vector3d in_one_time(const Eigen::Vector3d& changes,
+                            const std::array<DriveLimits, 3>& rated) {
+  double duration_s = 0.0;
+  for (std::size_t i = 0; i < 3; ++i)
+    duration_s = std::max(duration_s, std::abs(changes[i]) / rated[i].acceleration_pulses_s2);
+  if (duration_s == 0.0) return Eigen::Vector3d::Zero();
+  return changes.cwiseAbs() / duration_s;
+}
+
+double braking_way(double velocity, double acceleration) {
+  return velocity * velocity / (2.0 * acceleration);
+}
+
+constexpr double kPollPeriod_s = 5e-3;
+/// A move may take this many times its computed duration, plus a margin for the link.
+constexpr double kTimeoutFactor = 2.0;
+constexpr double kTimeoutMargin_s = 1.0;
+/// Pauses between attempts to recover a lost drive; each is twice the one before.
+constexpr double kFirstPause_s = 0.1;
+constexpr double kLongestPause_s = 2.0;
+
+std::string in_words(const std::vector<std::string>& faults) {
+  return fmt::format("{}", fmt::join(faults, ", "));
+}
+
+[[noreturn]] void throw_unhomed(std::size_t joint) {
+  throw DriveError({fmt::format("drive {} has lost its position", joint + 1), "home it first"});
+}
+
+[[noreturn]] void throw_stopped() {
+  throw StopRequested("the arm was stopped as asked");
+}
+
+}  // namespace
+
+VelocityMove velocity_move(const VelocityMove& last, double now_s,
+                           const std::array<DriveStatus, 3>& status,
+                           const Eigen::Vector3d& velocity, const std::array<DriveLimits, 3>& rated,
+                           double hold_s) {
+  VelocityMove move;
+  move.t_s = now_s;
+  move.velocity = scaled(velocity, rated);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (status[i].moving) move.from[i] = velocity_now(last, i, now_s);
+  const Eigen::Vector3d changing = in_one_time(move.velocity - move.from, rated);
+  const Eigen::Vector3d braking = in_one_time(move.velocity, rated);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double acceleration = std::max({kLeastLimit, changing[i], braking[i]});
+    const double position = status[i].position_pulses;
+    const double v = move.velocity[i];
+    const bool turns = std::abs(v) > kLeastLimit;
+    double ahead = v * hold_s + std::copysign(braking_way(v, acceleration), v);
+    if (!turns) {
+      const double way = braking_way(move.from[i], acceleration);
+      ahead = std::clamp(status[i].target_pulses - position, -way, way);
+    }
+    move.limits[i] = {std::max(kLeastLimit, std::abs(turns ? v : move.from[i])), acceleration};
+    move.targets_pulses[i] = static_cast<std::int32_t>(std::lround(position + ahead));
+  }
+  return move;
+}
+
+PlanarRobot::PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
+                         Clock& clock)
+    : arm_(arm), transmission_(transmission), drives_(drives), clock_(clock) {
+  read_positions(drives_.status());
+}
+
+PlanarRobot::~PlanarRobot() {
+  try {
+    const auto status = drives_.status();
+    if (std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; }))
+      drives_.halt();
+  } catch (const std::exception&) {
+    // A drive out of touch stops by its own command timeout.
+  }
+}
+
+void PlanarRobot::energize() {
+  drives_.reconnect();
+  drives_.set_limits(rated_limits());
+  drives_.energize();
+  read_positions(require_well());
+}
+
+void PlanarRobot::throw_if_stopped() const {
+  if (stopped()) throw_stopped();
+}
+
+std::vector<int> PlanarRobot::unhomed() {
+  std::vector<int> joints;
+  const auto status = drives_.status();
+  for (int i = 0; i < 3; ++i)
+    if (!status[static_cast<std::size_t>(i)].position_certain) joints.push_back(i);
+  return joints;
+}
+
+std::optional<Pulses> PlanarRobot::known_pulses() const {
+  const bool known = std::all_of(commanded_pulses_.begin(), commanded_pulses_.end(),
+                                 [](const auto& pulses) { return pulses.has_value(); });
+  return known ? std::optional(commanded_pulses()) : std::nullopt;
+}
+
+std::optional<Joints> PlanarRobot::known_joints() const {
+  const auto pulses = known_pulses();
+  return pulses ? std::optional(transmission_.joints_from_pulses(*pulses)) : std::nullopt;
+}
+
+Pulses PlanarRobot::commanded_pulses() const {
+  Pulses pulses;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!commanded_pulses_[i]) throw_unhomed(i);
+    pulses[static_cast<int>(i)] = *commanded_pulses_[i];
+  }
+  return pulses;
+}
+
+std::optional<double> PlanarRobot::home_mark(int joint) const {
+  const MotorDrive& motor = motor_drive(joint);
+  if (motor.home != HomeReference::kTaught) return std::nullopt;
+  return motor.home_rad;
+}
+
+void PlanarRobot::search_home(int joint) {
+  const MotorDrive& motor = motor_drive(joint);
+  if (const auto mark = home_mark(joint))
+    throw DriveError(
+        {fmt::format("drive {} has no home switch", joint + 1),
+         fmt::format("turn it to its mark at {:.3f} deg, then say so (mark {} in planar-jog)",
+                     *mark / kDegree, joint + 1)});
+  throw_if_stopped();
+  require_well();
+  try {
+    drives_.start_homing(joint, motor.home == HomeReference::kForwardSwitch
+                                    ? HomeDirection::kForward
+                                    : HomeDirection::kReverse);
+    wait_for(kHomingTimeout_s, [&](const auto& status) {
+      throw_if_stopped();
+      return !status[static_cast<std::size_t>(joint)].homing;
+    });
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+  const DriveStatus found = drives_.status()[static_cast<std::size_t>(joint)];
+  if (!found.position_certain)
+    throw DriveError(fmt::format("drive {} gave up its search for the home switch", joint + 1));
+  drives_.set_position(joint, found.position_pulses + home_pulses(joint));
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::teach_home(int joint) {
+  drives_.set_position(joint, home_pulses(joint));
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::recover(double patience_s) {
+  const double deadline_s = clock_.now_s() + patience_s;
+  for (double pause_s = kFirstPause_s;; pause_s = std::min(2.0 * pause_s, kLongestPause_s)) {
+    try {
+      return energize();
+    } catch (const DriveError&) {
+      if (clock_.now_s() + pause_s > deadline_s) throw;
+    }
+    throw_if_stopped();
+    clock_.sleep_for_s(pause_s);
+  }
+}
+
+std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard& guard) {
+  if (const auto violation = transmission_.limit_violation(theta))
+    throw WorkError("the arm refuses to move: " + *violation);
+  if (velocity_control_)
+    throw WorkError(
+        Refusal{"the arm is under velocity control", "end that before it moves to a position"});
+  const Pulses target = transmission_.pulses_from_joints(theta);
+  read_positions(require_ready());
+  bool stops = false;
+  std::optional<std::string> objection;
+  const auto must_rest = [&] {
+    stops = stopped();
+    if (guard) objection = guard();
+    return stops || objection;
+  };
+  if (!must_rest()) travel(target, must_rest);
+  if (stops) throw_stopped();
+  return objection;
+}
+
+void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must_rest) {
+  const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
+  try {
+    drives_.set_targets({target[0], target[1], target[2]});
+    for (std::size_t i = 0; i < 3; ++i) commanded_pulses_[i] = target[static_cast<int>(i)];
+    bool rests = false;
+    wait_for(timeout_s, [&](const auto& now) {
+      if ((rests = must_rest())) return true;
+      for (int i = 0; i < 3; ++i) {
+        const DriveStatus& drive = now[static_cast<std::size_t>(i)];
+        if (drive.moving || drive.position_pulses != target[i]) return false;
+      }
+      return true;
+    });
+    if (rests) brake();
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+}
+
+void PlanarRobot::brake() {
+  const Pulses commanded = commanded_pulses();
+  std::array<std::int32_t, 3> stop_pulses;
+  double longest_s = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double acceleration =
+        std::abs(transmission_.pulses_per_rad()[i]) * motor_drive(i).max_acceleration_rad_s2;
+    const double speed = speed_pulses_s_[i];
+    const double way = speed * std::abs(speed) / (2.0 * acceleration);
+    const double seen = seen_pulses_[i], target = commanded[i];
+    stop_pulses[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
+        std::lround(std::clamp(seen + way, std::min(seen, target), std::max(seen, target))));
+    longest_s = std::max(longest_s, std::abs(speed) / acceleration);
+  }
+  drives_.set_targets(stop_pulses);
+  wait_for_rest(longest_s);
+}
+
+Joints PlanarRobot::present_joints() {
+  read_positions(drives_.status());
+  return commanded_joints();
+}
+
+PlanarRobot::Status PlanarRobot::look_while_turning() {
+  try {
+    Status status = require_ready();
+    read_positions(status);
+    return status;
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+}
+
+void PlanarRobot::turn(const VelocityLaw& velocity) {
+  if (stopped()) end_turning();
+  throw_if_stopped();
+  const Status status = look_while_turning();
+  turn(status, velocity(commanded_joints()));
+}
+
+void PlanarRobot::turn(const Status& status, const Joints& theta_dot) {
+  if (!theta_dot.allFinite())
+    throw std::invalid_argument("velocities of the joints must be finite");
+  const Eigen::Vector3d velocity =
+      transmission_.pulses_per_rad().cwiseProduct(transmission_.motors_from_joints(theta_dot));
+  const VelocityMove move =
+      velocity_move(turning_, clock_.now_s(), status, velocity, rated_limits(), kVelocityHold_s);
+  const Pulses target(move.targets_pulses[0], move.targets_pulses[1], move.targets_pulses[2]);
+  if (const auto violation =
+          transmission_.limit_violation(transmission_.joints_from_pulses(target)))
+    throw WorkError("the arm refuses this velocity: " + *violation);
+  try {
+    drives_.set_limits(move.limits);
+    drives_.set_targets(move.targets_pulses);
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+  turning_ = move;
+  velocity_control_ = true;
+}
+
+void PlanarRobot::end_turning() {
+  turn(look_while_turning(), Joints::Zero());
+  try {
+    wait_for_rest(kVelocityHold_s);
+    drives_.set_limits(rated_limits());
+    velocity_control_ = false;
+  } catch (const std::exception& error) {
+    halt_after(error);
+    throw;
+  }
+}
+
+void PlanarRobot::halt() {
+  std::string failure;
+  try {
+    drives_.halt();
+  } catch (const WorkError& error) {
+    failure = error.what();
+  }
+  read_positions(drives_.status());
+  if (!failure.empty()) throw DriveError(failure);
+}
+
+void PlanarRobot::halt_after(const std::exception& cause) {
+  try {
+    halt();
+  } catch (const DriveError& error) {
+    throw DriveError(fmt::format("{}; {}", cause.what(), error.what()));
+  }
+}
+
+PlanarRobot::Status PlanarRobot::require_well() {
+  Status status = drives_.status();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!status[i].faults.empty())
+      throw DriveError(fmt::format("drive {} reports: {}", i + 1, in_words(status[i].faults)));
+    if (!status[i].energized) throw DriveError(fmt::format("drive {} is switched off", i + 1));
+  }
+  return status;
+}
+
+PlanarRobot::Status PlanarRobot::require_ready() {
+  Status status = require_well();
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!status[i].position_certain) throw_unhomed(i);
+  note_speeds(status);
+  return status;
+}
+
+void PlanarRobot::wait_for(double timeout_s, const std::function<bool(const Status&)>& arrived) {
+  const double deadline_s = clock_.now_s() + timeout_s;
+  while (!arrived(status_under_way())) {
+    if (clock_.now_s() > deadline_s)
+      throw DriveError(fmt::format("the drives have not arrived after {:.1f} s", timeout_s));
+    clock_.sleep_for_s(kPollPeriod_s);
+  }
+}
+
+void PlanarRobot::wait_for_rest(double duration_s) {
+  wait_for(kTimeoutFactor * duration_s + kTimeoutMargin_s, [](const auto& status) {
+    return std::none_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
+  });
+  read_positions(drives_.status());
+}
+
+PlanarRobot::Status PlanarRobot::status_under_way() {
+  Status status = drives_.status();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (status[i].faults.empty() && status[i].energized) continue;
+    throw DriveError(
+        fmt::format("drive {} failed on its way: {}", i + 1,
+                    status[i].faults.empty() ? "it is switched off" : in_words(status[i].faults)));
+  }
+  note_speeds(status);
+  return status;
+}
+
+void PlanarRobot::note_speeds(const Status& status) {
+  const double now_s = clock_.now_s(), elapsed_s = now_s - seen_s_;
+  const Eigen::Vector3d position(status[0].position_pulses, status[1].position_pulses,
+                                 status[2].position_pulses);
+  if (elapsed_s > 0.0) speed_pulses_s_ = (position - seen_pulses_) / elapsed_s;
+  seen_pulses_ = position;
+  seen_s_ = now_s;
+}
+
+const MotorDrive& PlanarRobot::motor_drive(int joint) const {
+  return transmission_.settings().drives.at(static_cast<std::size_t>(joint));
+}
+
+std::array<DriveLimits, 3> PlanarRobot::rated_limits() const {
+  std::array<DriveLimits, 3> limits;
+  for (int i = 0; i < 3; ++i) {
+    const double pulses_per_rad = std::abs(transmission_.pulses_per_rad()[i]);
+    const MotorDrive& motor = motor_drive(i);
+    limits[static_cast<std::size_t>(i)] = {pulses_per_rad * motor.max_speed_rad_s,
+                                           pulses_per_rad * motor.max_acceleration_rad_s2};
+  }
+  return limits;
+}
+
+std::int32_t PlanarRobot::home_pulses(int joint) const {
+  return static_cast<std::int32_t>(
+      std::lround(transmission_.pulses_per_rad()[joint] * motor_drive(joint).home_rad));
+}
+
+double PlanarRobot::longest_move_s(const Pulses& target) const {
+  const Pulses from = commanded_pulses();
+  double longest_s = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const MotorDrive& motor = motor_drive(i);
+    const double pulses_per_rad = transmission_.pulses_per_rad()[i];
+    const MotorMove move(from[i] / pulses_per_rad, target[i] / pulses_per_rad, motor);
+    longest_s = std::max(longest_s, move.duration_s());
+  }
+  return longest_s;
+}
+
+void PlanarRobot::read_positions(const Status& status) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!status[i].answers) continue;
+    commanded_pulses_[i].reset();
+    if (status[i].position_certain) commanded_pulses_[i] = status[i].position_pulses;
+  }
+}
+
+}  // namespace planar

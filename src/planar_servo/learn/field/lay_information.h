@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/learn/field/field_basis.h"
+
+namespace planar {
+
+/// The dots of a board that was laid on the plane, as one picture shows them. Lengths are in
+/// metres.
+struct BoardLay {
+  std::string id;
+  /// On the board as seen from above; a turn and a shift take these to where the dots are. In any
+  /// unit where the board's pitch is not known.
+  Eigen::Matrix2Xd p_board;
+  Eigen::Matrix2Xd seen_B;  ///< base frame
+  Eigen::VectorXd sigma;    ///< of seen_B, per axis
+};
+
+/// Lays of one board.
+struct LaidDots {
+  std::vector<BoardLay> lays;
+  bool pitch_known{true};
+
+  std::size_t dots() const;
+};
+
+/// What a board tells of a field without drift: but for a constant, -2 log likelihood of its
+/// weights w (those of x, then of y) is squares - 2 right . w + w . H w + log_determinant.
+struct LayInformation {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd right;
+  double squares{0.0};
+  double log_determinant{0.0};
+};
+
+/// Returns what is told by the dots that lie on the disc of `basis`, seen place = place + field.
+/// Nothing is known of the board but that it is flat and its dots form the pattern: the place and
+/// turn of each lay are free, and so are, within what printers do, the pattern's aspect and shear,
+/// which all lays share; without a known pitch its scale is free, too. `factor` multiplies the
+/// dots' deviations.
+LayInformation lay_information(const LaidDots& board, const FieldBasis& basis, double factor);
+
+/// Says why these lays cannot tell the field's shape by themselves; empty when they can. Lays that
+/// are only shifted cannot tell a board whose rows are not square from a field that stretches.
+std::optional<Refusal> doubt_of_turns(const LaidDots& board);
+
+}  // namespace planar

@@ -1,0 +1,256 @@
+#include "planar_servo/loop/health/arm_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/units.h"
+
+namespace planar {
+namespace {
+
+/// Returns the standard deviations of a sound cell's numbers: zeros set by eye, gears and links as
+/// they are made, tool and workplane as calibrated.
+Numbers usual_deviations() {
+  Numbers sigma;
+  sigma.segment<3>(kZeroOff).setConstant(0.15 * kDegree);
+  sigma.segment<3>(kGearOff).setConstant(5e-4);
+  sigma.segment<2>(kLinkOff).setConstant(0.7 * kMillimetre);
+  sigma.segment<4>(kLampOff).setConstant(0.02 * kMillimetre);
+  sigma.segment<2>(kShiftOff).setConstant(0.1 * kMillimetre);
+  sigma[kTurnOff] = 0.02 * kDegree;
+  sigma[kGrowthOff] = 2e-4;
+  sigma.segment<2>(kTiltOff).setConstant(2e-4);
+  return sigma;
+}
+
+constexpr double kFree = 1e3;  ///< the deviation of a freed number: radians, metres or a ratio
+constexpr int kMaxSteps = 25;
+constexpr int kPerSight = 5;  ///< residuals: the middle, the direction, the distance
+/// Error of the lamps' distance by a lens that no map corrects and a plane at another height.
+constexpr double kLengthSigma = 0.01;
+constexpr double kClearlyBetter = 0.1;
+/// Twice the logarithm of the odds of 3,000 to 1.
+constexpr double kLeastGain = 16.0;
+
+/// Returns the residuals of the sights and then how far each number is off, in standard deviations.
+Eigen::VectorXd arm_residuals(const CellModel& model, const std::vector<ArmSight>& sights,
+                              const Numbers& off, const Numbers& sigma) {
+  const auto n = static_cast<Eigen::Index>(sights.size());
+  Eigen::VectorXd r(kPerSight * n + kNumbers);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ArmSight& sight = sights[static_cast<std::size_t>(i)];
+    const LampPlaces expected = lamps_seen(model, sight.motors, off);
+    const Eigen::Vector2d half = 0.5 * (expected[1] - expected[0]);
+    const Eigen::Vector2d apart = 0.5 * (sight.seen_B[1] - sight.seen_B[0]);
+    Eigen::Vector2d seen_half = half.norm() * apart.normalized();
+    if (seen_half.dot(half) < 0.0) seen_half = -seen_half;
+    r.segment<2>(kPerSight * i) = 0.5 *
+                                  (sight.seen_B[0] + sight.seen_B[1] - expected[0] - expected[1]) /
+                                  sight.middle_sigma_m;
+    r.segment<2>(kPerSight * i + 2) = (seen_half - half) / sight.half_sigma_m;
+    r[kPerSight * i + 4] = (apart.norm() / half.norm() - 1.0) / kLengthSigma;
+  }
+  r.tail<kNumbers>() = off.cwiseQuotient(sigma);
+  return r;
+}
+
+struct ArmFit {
+  double chi2{std::numeric_limits<double>::infinity()};
+  Numbers off{Numbers::Zero()};
+};
+
+/// Minimises the squared residuals from `start` by Gauss-Newton with halved steps.
+ArmFit fit_numbers(const CellModel& model, const std::vector<ArmSight>& sights,
+                   const Numbers& start, const Numbers& sigma) {
+  constexpr double kStep = 1e-6;
+  ArmFit best{arm_residuals(model, sights, start, sigma).squaredNorm(), start};
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Eigen::VectorXd r = arm_residuals(model, sights, best.off, sigma);
+    Eigen::MatrixXd J(r.size(), kNumbers);
+    for (Eigen::Index k = 0; k < kNumbers; ++k) {
+      Numbers shifted = best.off;
+      shifted[k] += kStep;
+      J.col(k) = (arm_residuals(model, sights, shifted, sigma) - r) / kStep;
+    }
+    Numbers delta = solve_symmetric(J.transpose() * J, -J.transpose() * r);
+    ArmFit next = best;
+    for (int halving = 0; halving < 8; ++halving, delta *= 0.5) {
+      next.off = best.off + delta;
+      next.chi2 = arm_residuals(model, sights, next.off, sigma).squaredNorm();
+      if (next.chi2 < best.chi2) break;
+    }
+    if (!(next.chi2 < best.chi2 - 1e-6)) break;
+    best = next;
+  }
+  return best;
+}
+
+/// One supposed cause: a model of another kind or a suspect with freed numbers, and where their
+/// search begins.
+struct Supposition {
+  const Suspect* suspect{nullptr};
+  Cause cause{Cause::kSeveral};
+  CellModel model;
+  std::vector<Numbers> starts{Numbers::Zero()};
+
+  std::size_t freed() const { return suspect == nullptr ? 0 : suspect->numbers.size(); }
+};
+
+/// Returns where the search for a number of this cause begins: gears exchanged, doubled or given in
+/// degrees instead of radians, and quarter turns.
+std::vector<double> starts_of(const Suspect& suspect) {
+  constexpr double kDegreesForRadians = 180.0 / kPi;
+  const int number = suspect.numbers[0];
+  if (suspect.numbers.size() > 1) return {0.0};
+  if (number >= kGearOff && number < kLinkOff)
+    return {0.0, 1.0, -0.5, kDegreesForRadians - 1.0, 1.0 / kDegreesForRadians - 1.0};
+  if (number < kGearOff || number == kTurnOff) return {0.0, kPi / 2.0, kPi, -kPi / 2.0};
+  return {0.0};
+}
+
+std::vector<Supposition> freed_numbers(const CellModel& as_filed) {
+  std::vector<Supposition> all;
+  for (const Suspect& suspect : suspects()) {
+    if (suspect.cause == Cause::kCameraTilted) continue;  // too small beside an arm's own errors
+    Supposition supposed{&suspect, suspect.cause, as_filed, {}};
+    for (const double start : starts_of(suspect)) {
+      supposed.starts.emplace_back(Numbers::Zero());
+      supposed.starts.back()[suspect.numbers[0]] = start;
+    }
+    all.push_back(std::move(supposed));
+  }
+  return all;
+}
+
+/// Returns the model of an arm that stands with its other elbow, its end point where it should be.
+CellModel with_other_elbow(const CellModel& as_filed, const ArmSight& sight) {
+  const Eigen::Vector3d theta = as_filed.coupling.inverse() * sight.motors;
+  const Eigen::Vector2d tip = as_filed.links_m[0] * rotation2d(theta[0]).col(0) +
+                              as_filed.links_m[1] * rotation2d(theta[1]).col(0);
+  const double ray = std::atan2(tip.y(), tip.x());
+  const Eigen::Vector3d mirrored(2.0 * ray - theta[0], 2.0 * ray - theta[1], theta[2]);
+  CellModel model = as_filed;
+  model.zeros += as_filed.coupling * (mirrored - theta);
+  return model;
+}
+
+/// Returns the suppositions of another kind than filed.
+std::vector<Supposition> changed_kinds(const CellModel& as_filed, const ArmSight& first) {
+  std::vector<Supposition> all;
+  const auto suppose = [&](Cause cause) -> CellModel& {
+    all.push_back({nullptr, cause, as_filed});
+    return all.back().model;
+  };
+  constexpr Cause kDirections[] = {Cause::kDirection1, Cause::kDirection2, Cause::kDirection3};
+  for (int motor = 0; motor < 3; ++motor) suppose(kDirections[motor]).gears[motor] = -1.0;
+  for (const int motor : {1, 2}) {
+    double& rides =
+        suppose(motor == 1 ? Cause::kCoupling2 : Cause::kCoupling3).coupling(motor, motor - 1);
+    rides = rides == 0.0 ? -1.0 : 0.0;
+  }
+  suppose(Cause::kPositiveRotation).sense *= -1.0;
+  if (std::abs(as_filed.links_m[0] - as_filed.links_m[1]) > kMillimetre)
+    suppose(Cause::kLinksExchanged).links_m.reverseInPlace();
+  suppose(Cause::kElbow) = with_other_elbow(as_filed, first);
+  for (const double turn : {0.0, kPi / 2.0, kPi, -kPi / 2.0}) {
+    suppose(Cause::kPictureMirrored).mirrored = true;
+    all.back().starts[0][kTurnOff] = turn;
+  }
+  return all;
+}
+
+/// Returns the best fit under a supposition. Every freed number costs the logarithm of the count of
+/// coordinates, as in Schwarz's criterion.
+ArmFit fit_supposed(const std::vector<ArmSight>& sights, const Supposition& supposed) {
+  Numbers sigma = usual_deviations();
+  if (supposed.suspect != nullptr)
+    for (const int number : supposed.suspect->numbers) sigma[number] = kFree;
+  if (supposed.cause == Cause::kPictureMirrored) sigma[kTurnOff] = kFree;
+  ArmFit best;
+  for (const Numbers& start : supposed.starts) {
+    const ArmFit fit = fit_numbers(supposed.model, sights, start, sigma);
+    if (fit.chi2 < best.chi2 - kClearlyBetter) best = fit;  // of equals the first, the smallest
+  }
+  const double count = 1.0 + static_cast<double>(supposed.freed());
+  best.chi2 += count * std::log(4.0 * static_cast<double>(sights.size()));
+  return best;
+}
+
+/// Returns the greatest distance at which the end point is seen from its place by the files.
+double farthest(const CellModel& as_filed, const std::vector<ArmSight>& sights) {
+  double most = 0.0;
+  for (const ArmSight& sight : sights) {
+    const LampPlaces expected = lamps_seen(as_filed, sight.motors);
+    most = std::max(most,
+                    0.5 * (sight.seen_B[0] + sight.seen_B[1] - expected[0] - expected[1]).norm());
+  }
+  return most;
+}
+
+/// A supposition with how well it fits.
+struct Explanation {
+  Supposition supposed;
+  ArmFit fit;
+};
+
+/// Returns whether a joint would turn so many times as far as commanded as no mistaken gear makes
+/// it, but for one in degrees instead of radians: something else is wrong then.
+bool is_absurd(const Explanation& explanation) {
+  constexpr double kMost = 30.0, kDegreesShare = 0.005;
+  const Suspect* const suspect = explanation.supposed.suspect;
+  if (suspect == nullptr || suspect->numbers.size() != 1) return false;
+  const int number = suspect->numbers[0];
+  if (number < kGearOff || number >= kLinkOff) return false;
+  const double times = std::abs(1.0 + explanation.fit.off[number]);
+  return times > kMost && std::abs(times * kDegree - 1.0) > kDegreesShare;
+}
+
+HealthFinding finding_of(const Explanation& explanation, const CellModel& as_filed, double cost_m) {
+  const Supposition& supposed = explanation.supposed;
+  if (is_absurd(explanation))
+    return {Cause::kSeveral, mm(cost_m), "mm", cost_m,
+            "nothing that may be wrong with the arm explains what is seen; is the camera file that "
+            "of this camera, for whole pictures of this size?"};
+  if (supposed.suspect != nullptr) {
+    Numbers off = explanation.fit.off;
+    // A tool of equal lamps looks the same after half a turn.
+    if (supposed.cause == Cause::kZero3) off[kZeroOff + 2] = std::remainder(off[kZeroOff + 2], kPi);
+    return finding_of(*supposed.suspect, as_filed, off, cost_m);
+  }
+  return {supposed.cause, std::numeric_limits<double>::quiet_NaN(), "", cost_m,
+          words(supposed.cause)};
+}
+
+}  // namespace
+
+std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
+                                           const std::vector<ArmSight>& sights) {
+  if (sights.empty()) return {};
+  const double sound = fit_supposed(sights, {nullptr, Cause::kSeveral, as_filed}).chi2;
+  std::vector<Supposition> all = freed_numbers(as_filed);
+  for (Supposition& changed : changed_kinds(as_filed, sights.front()))
+    all.push_back(std::move(changed));
+  std::vector<Explanation> explanations;
+  for (Supposition& supposed : all) {
+    const ArmFit fit = fit_supposed(sights, supposed);
+    if (fit.chi2 < sound - kLeastGain) explanations.push_back({std::move(supposed), fit});
+  }
+  if (explanations.empty()) return {};
+  std::sort(explanations.begin(), explanations.end(),
+            [](const Explanation& a, const Explanation& b) { return a.fit.chi2 < b.fit.chi2; });
+  const Explanation& best = explanations.front();
+  const double cost_m = farthest(as_filed, sights);
+  std::vector<HealthFinding> found{finding_of(best, as_filed, cost_m)};
+  const double as_good = best.fit.chi2 + std::max(kAsLikely, kLittleLeft * (sound - best.fit.chi2));
+  const auto second =
+      std::find_if(explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
+        return other.supposed.freed() == best.supposed.freed() && other.fit.chi2 < as_good;
+      });
+  if (second != explanations.end()) found.push_back(finding_of(*second, as_filed, cost_m));
+  return found;
+}
+
+}  // namespace planar

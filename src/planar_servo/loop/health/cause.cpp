@@ -1,0 +1,222 @@
+#include "planar_servo/loop/health/cause.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/units.h"
+
+namespace planar {
+namespace {
+
+struct Advice {
+  Cause cause;
+  const char* words;
+  const char* usable;
+  const char* redo;
+};
+
+constexpr char kAllFiles[] = "all calibration files";
+constexpr char kOnlyLens[] = "camera.yaml and tool.yaml";
+constexpr char kPlaneAgain[] =
+    "put the camera back, or record the places again and run planar-pair-tracker and "
+    "planar-fit-error-map";
+constexpr char kHome[] = "home the drive with planar-jog";
+constexpr char kTighten[] = "look at the gear, its coupling and the bolts of the joint";
+constexpr char kDrives[] = "correct `drives` in the cell file, then record and calibrate again";
+constexpr char kUneven[] =
+    "look for an eccentric reducer, coupling or pulley; if none is, correct `drives` in the cell "
+    "file, then record and calibrate again";
+constexpr char kArm[] = "correct `arm` in the cell file";
+
+constexpr Advice kAdvice[] = {
+    {Cause::kPictureMirrored, "the picture is mirrored", "nothing",
+     "switch off the camera's reversal of x or y, or calibrate the camera anew"},
+    {Cause::kCameraShifted, "the camera has shifted", kOnlyLens, kPlaneAgain},
+    {Cause::kCameraTurned, "the camera has turned", kOnlyLens, kPlaneAgain},
+    {Cause::kCameraCloser, "the camera has come closer or its lens is focused elsewhere",
+     "tool.yaml", "put the camera back; if it was the lens, begin with planar-calibrate-camera"},
+    {Cause::kCameraTilted, "the camera has tilted", kOnlyLens, kPlaneAgain},
+    {Cause::kLamp1Moved, "lamp 1 has moved on the tool", "camera.yaml and workplane.yaml",
+     "fasten the lamp, record a sweep of joint 3 and run planar-pair-tracker again"},
+    {Cause::kLamp2Moved, "lamp 2 has moved on the tool", "camera.yaml and workplane.yaml",
+     "fasten the lamp, record a sweep of joint 3 and run planar-pair-tracker again"},
+    {Cause::kZero1, "joint 1 has lost its zero", kAllFiles, kHome},
+    {Cause::kZero2, "joint 2 has lost its zero", kAllFiles, kHome},
+    {Cause::kZero3, "joint 3 has lost its zero", kAllFiles, kHome},
+    {Cause::kPlay1, "the play of joint 1 has grown", kAllFiles, kTighten},
+    {Cause::kPlay2, "the play of joint 2 has grown", kAllFiles, kTighten},
+    {Cause::kPlay3, "the play of joint 3 has grown", kAllFiles, kTighten},
+    {Cause::kDirection1, "the direction of joint 1 is reversed", kAllFiles, kDrives},
+    {Cause::kDirection2, "the direction of joint 2 is reversed", kAllFiles, kDrives},
+    {Cause::kDirection3, "the direction of joint 3 is reversed", kAllFiles, kDrives},
+    {Cause::kGear1, "the gear ratio of joint 1 is wrong", kAllFiles, kDrives},
+    {Cause::kGear2, "the gear ratio of joint 2 is wrong", kAllFiles, kDrives},
+    {Cause::kGear3, "the gear ratio of joint 3 is wrong", kAllFiles, kDrives},
+    {Cause::kUneven1, "the gear ratio of joint 1 is wrong, or the joint turns unevenly", kAllFiles,
+     kUneven},
+    {Cause::kUneven2, "the gear ratio of joint 2 is wrong, or the joint turns unevenly", kAllFiles,
+     kUneven},
+    {Cause::kUneven3, "the gear ratio of joint 3 is wrong, or the joint turns unevenly", kAllFiles,
+     kUneven},
+    {Cause::kLink1, "link 1 has another length", kAllFiles, kArm},
+    {Cause::kLink2, "link 2 has another length", kAllFiles, kArm},
+    {Cause::kLinksExchanged, "the lengths of the links are exchanged", kAllFiles, kArm},
+    {Cause::kCoupling2, "the coupling of joint 2 is wrong", kAllFiles, kArm},
+    {Cause::kCoupling3, "the coupling of joint 3 is wrong", kAllFiles, kArm},
+    {Cause::kPositiveRotation, "the joints turn in the other sense than positive_rotation says",
+     kAllFiles, kArm},
+    {Cause::kElbow, "the arm stands with its other elbow", kAllFiles,
+     "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
+    {Cause::kHome, "the arm's home is not where the cell file says", kAllFiles,
+     "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
+    {Cause::kNotVisited, "the arm cannot go where the check needs it", kAllFiles,
+     "correct `arm` and `workspace` in the cell file, bring the arm into its workspace with "
+     "planar-jog, or move without the check (--no-health)"},
+    {Cause::kSeparation,
+     "a lamp, the cell file's separation or the camera file is not that of this cell", kAllFiles,
+     "fasten the lamp, correct `lamps.separation_mm`, or name this camera's own file"},
+    {Cause::kNotSeen, "the lamps are not seen", kAllFiles,
+     "check that both lamps are lit, in view of the camera and in focus"},
+    {Cause::kBackground, "there is light from elsewhere", kAllFiles,
+     "shade the cell or switch that light off"},
+    {Cause::kTooBright, "a lamp is too bright", kAllFiles,
+     "reduce the exposure or the lamp's current to what they were at the calibration"},
+    {Cause::kBlurred, "the picture is blurred", kAllFiles,
+     "clean the window and the lamps; if the lens has lost its focus, begin with "
+     "planar-calibrate-camera"},
+    {Cause::kUnclearLamp, "the rim of one lamp is unclear", kAllFiles,
+     "clean that lamp and the window before it, and look whether it shines evenly"},
+    {Cause::kOval, "a lamp is no longer round", kAllFiles,
+     "clean the lamp; check what covers it and whether light is reflected beside it"},
+    {Cause::kWarmth,
+     "the motors' warmth has changed the arm, or the camera has come closer or its lens is focused "
+     "elsewhere",
+     kAllFiles,
+     "nothing, if the arm has worked for a while; fixed lamps in view would tell the two apart"},
+    {Cause::kView, "the view has changed there alone", kAllFiles,
+     "clean window and lens, and look for what stands in the way or is reflected there"},
+    {Cause::kSeveral, "more than one thing has changed", "nothing, until the causes are known",
+     "look at camera, lamps and arm; then calibrate what was touched"},
+};
+
+const Advice& advice(Cause cause) {
+  for (const Advice& entry : kAdvice)
+    if (entry.cause == cause) return entry;
+  throw std::invalid_argument("a cause without advice");
+}
+
+constexpr double kPercent = 0.01;
+constexpr char kDegrees[] = "deg", kMillimetres[] = "mm", kTurns[] = "turns per turn commanded";
+
+bool is_gear(const Suspect& suspect) {
+  return suspect.numbers.front() >= kGearOff && suspect.numbers.front() < kLinkOff;
+}
+
+/// Returns the cause. A gear that is nearly right may be right and an eccentric part have turned
+/// the joint: no mistaken count of teeth or steps is as near.
+Cause cause_of(const Suspect& suspect, const Numbers& off) {
+  constexpr double kNearlyRight = 0.01;
+  constexpr Cause kUnevenOf[] = {Cause::kUneven1, Cause::kUneven2, Cause::kUneven3};
+  const int number = suspect.numbers[0];
+  return is_gear(suspect) && std::abs(off[number]) < kNearlyRight ? kUnevenOf[number - kGearOff]
+                                                                  : suspect.cause;
+}
+
+bool is_link(const Suspect& suspect) {
+  return suspect.numbers.front() >= kLinkOff && suspect.numbers.front() < kLampOff;
+}
+
+/// Returns the size in the suspect's unit: the number, the length of two, or the displacement by
+/// more.
+double size_of(const Suspect& suspect, const Numbers& off, double cost_m) {
+  const double first = off[suspect.numbers[0]];
+  if (is_gear(suspect)) return 1.0 + first;
+  if (suspect.numbers.size() == 2)
+    return std::hypot(first, off[suspect.numbers[1]]) / suspect.unit_size;
+  if (suspect.numbers.size() > 2) return cost_m / suspect.unit_size;
+  return (suspect.unit == kDegrees ? wrap_angle(first) : first) / suspect.unit_size;
+}
+
+Eigen::Vector2d pictured(const CellModel& model, const Numbers& off, const Eigen::Vector2d& p_B) {
+  Eigen::Vector2d from_axis = p_B - model.axis_B;
+  if (model.mirrored) from_axis.x() = -from_axis.x();
+  const double growth = 1.0 + off[kGrowthOff] + off.segment<2>(kTiltOff).dot(from_axis);
+  return model.axis_B + off.segment<2>(kShiftOff) +
+         growth * (rotation2d(off[kTurnOff]) * from_axis);
+}
+
+}  // namespace
+
+LampPlaces lamps_seen(const CellModel& model, const Eigen::Vector3d& motors, const Numbers& off) {
+  const Eigen::Vector3d gears =
+      model.gears.cwiseProduct((off.segment<3>(kGearOff).array() + 1.0).matrix());
+  const Eigen::Vector3d turned =
+      model.home + gears.cwiseProduct(motors - model.home) + model.zeros + off.segment<3>(kZeroOff);
+  const Eigen::Vector3d directions = model.sense * (model.coupling.inverse() * turned);
+  const Eigen::Vector2d links_m = model.links_m + off.segment<2>(kLinkOff);
+  const Eigen::Vector2d tip =
+      links_m[0] * rotation2d(directions[0]).col(0) + links_m[1] * rotation2d(directions[1]).col(0);
+  const Eigen::Matrix2d R = rotation2d(directions[2]);
+  const Eigen::Vector2d lamp1_T = model.lamps_T[0] + off.segment<2>(kLampOff);
+  const Eigen::Vector2d lamp2_T = model.lamps_T[1] + off.segment<2>(kLampOff + 2);
+  return {pictured(model, off, tip + R * lamp1_T), pictured(model, off, tip + R * lamp2_T)};
+}
+
+const char* words(Cause cause) {
+  return advice(cause).words;
+}
+
+const char* usable(Cause cause) {
+  return advice(cause).usable;
+}
+
+const char* redo(Cause cause) {
+  return advice(cause).redo;
+}
+
+const std::vector<Suspect>& suspects() {
+  static const std::vector<Suspect> all{
+      {Cause::kCameraShifted, {kShiftOff, kShiftOff + 1}, kMillimetres, kMillimetre},
+      {Cause::kCameraTurned, {kTurnOff}, kDegrees, kDegree},
+      {Cause::kCameraCloser, {kGrowthOff}, "%", kPercent},
+      {Cause::kCameraTilted,
+       {kShiftOff, kShiftOff + 1, kTiltOff, kTiltOff + 1},
+       kMillimetres,
+       kMillimetre},
+      {Cause::kLamp1Moved, {kLampOff, kLampOff + 1}, kMillimetres, kMillimetre},
+      {Cause::kLamp2Moved, {kLampOff + 2, kLampOff + 3}, kMillimetres, kMillimetre},
+      {Cause::kZero1, {kZeroOff}, kDegrees, kDegree},
+      {Cause::kZero2, {kZeroOff + 1}, kDegrees, kDegree},
+      {Cause::kZero3, {kZeroOff + 2}, kDegrees, kDegree},
+      {Cause::kHome, {kZeroOff, kZeroOff + 1, kZeroOff + 2}, kMillimetres, kMillimetre},
+      {Cause::kGear1, {kGearOff}, kTurns, 1.0},
+      {Cause::kGear2, {kGearOff + 1}, kTurns, 1.0},
+      {Cause::kGear3, {kGearOff + 2}, kTurns, 1.0},
+      {Cause::kLink1, {kLinkOff}, kMillimetres, kMillimetre},
+      {Cause::kLink2, {kLinkOff + 1}, kMillimetres, kMillimetre}};
+  return all;
+}
+
+HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, const Numbers& off,
+                         double cost_m) {
+  const Cause cause = cause_of(suspect, off);
+  HealthFinding finding{cause, size_of(suspect, off, cost_m), suspect.unit, cost_m, words(cause)};
+  if (is_gear(suspect)) {
+    finding.what += fmt::format(": it turns {:.4f} times as far as commanded", finding.size);
+  } else if (is_link(suspect)) {
+    const double filed_mm = as_filed.links_m[suspect.numbers[0] - kLinkOff] / kMillimetre;
+    finding.what += fmt::format(": {:.2f} mm, not {:.2f} mm", filed_mm + finding.size, filed_mm);
+  } else if (suspect.numbers.size() > 2) {
+    finding.what += fmt::format("; the tool is seen up to {:.3g} mm from where it was", mm(cost_m));
+  } else {
+    finding.what += fmt::format(" by {:.3g} {}", finding.size, finding.unit);
+  }
+  return finding;
+}
+
+}  // namespace planar

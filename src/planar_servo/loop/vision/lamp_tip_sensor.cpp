@@ -1,0 +1,177 @@
+#include "planar_servo/loop/vision/lamp_tip_sensor.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
+
+namespace planar {
+namespace {
+
+constexpr char kOutsideView[] = "outside_view";
+constexpr char kReferenceLamps[] = "reference_lamps";
+
+/// Logs one line for every look, for -v.
+void log(const TipMeasurement& seen, const TipPose& expected) {
+  if (!spdlog::should_log(spdlog::level::debug)) return;
+  if (!seen.ok()) {
+    spdlog::debug(fmt::format("look at {}: {}", place_mm(expected.p), seen.word));
+    return;
+  }
+  const auto& [first, second] = seen.lamps_px;
+  spdlog::debug(fmt::format(
+      "look at {}: {} frames, lamps ({}) and ({}) px, seen at {}, {} by the error map{}, +- {:.4f} "
+      "mm",
+      place_mm(expected.p), seen.frames, fixed(first, 3, ", "), fixed(second, 3, ", "),
+      place_mm(seen.p_vision), place_mm(-seen.correction),
+      seen.inside_map ? "" : " outside its region", mm(seen.uncertainty_m)));
+}
+
+}  // namespace
+
+cv::Rect follow_region(const cv::Size& sensor_px, int side_px, const Eigen::Vector2d& center_px) {
+  const int width = std::min(side_px, sensor_px.width);
+  const int height = std::min(side_px, sensor_px.height);
+  const auto start = [](double center, int size, int sensor) {
+    const double wanted = std::clamp(center - size / 2.0, 0.0, static_cast<double>(sensor - size));
+    return static_cast<int>(std::lround(wanted));
+  };
+  return {start(center_px.x(), width, sensor_px.width),
+          start(center_px.y(), height, sensor_px.height), width, height};
+}
+
+LampTipSensor::LampTipSensor(VisionCalibration vision, CenterMethod method, FrameSource& camera,
+                             int follow_region_px)
+    : vision_(std::move(vision)),
+      tracker_(method),
+      watch_(vision_.reference_lamps, method),
+      camera_(camera),
+      follow_region_px_(follow_region_px) {}
+
+void LampTipSensor::aim(const TipPose& expected) {
+  if (const auto predicted = lamps_at(expected)) aim_at(*predicted);
+}
+
+void LampTipSensor::aim_at(const LampPixels& lamps_px) {
+  camera_.set_region(follow_region(camera_.sensor_size_px(), follow_region_px_,
+                                   0.5 * (lamps_px[0] + lamps_px[1])));
+}
+
+std::optional<LampPixels> LampTipSensor::lamps_at(const TipPose& tip) const {
+  auto lamps_px = lamps_from_tip(vision_.workplane, vision_.tool, vision_.lamps.separation_m, tip);
+  if (!lamps_px) return std::nullopt;
+  for (Eigen::Vector2d& uv_px : *lamps_px) uv_px = watch_.motion().now(uv_px);
+  return lamps_px;
+}
+
+TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
+  TipMeasurement measurement = look_at_tool(expected, frames);
+  log(measurement, expected);
+  return measurement;
+}
+
+TipMeasurement LampTipSensor::look_at_tool(const TipPose& expected, int frames) {
+  const auto expectation = expect_tool(vision_, expected);
+  if (!expectation) return failed_look(TipStatus::kOutsideView, kOutsideView, 0.0);
+  aim_at(*expectation->predicted_px);
+  TipMeasurement mean;
+  std::array<Eigen::Matrix2d, 2> covariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
+  for (int i = 0; i < frames; ++i) {
+    const Look seen = look(i == 0 ? camera_.next_frame() : camera_.following_frame(), *expectation);
+    if (seen.frame != FrameStatus::kOk)
+      return failed_look(TipStatus::kNoPicture, name(seen.frame), seen.t_s);
+    if (!seen.found()) return failed_look(TipStatus::kNoLamps, name(seen.pair.status), seen.t_s);
+    mean.t_s = seen.t_s;
+    for (std::size_t k = 0; k < 2; ++k) {
+      mean.lamps_px[k] += seen.pair.lamps[k].uv_px / frames;
+      covariances[k] += seen.pair.lamps[k].covariance_px2 / frames;
+    }
+  }
+  mean.frames = frames;
+  if (auto failed = watch_camera(mean.t_s)) return *failed;
+  return position(std::move(mean), covariances);
+}
+
+std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::look_around() {
+  camera_.set_region({{}, camera_.sensor_size_px()});
+  FrameResult result = camera_.next_frame();
+  if (result.status != FrameStatus::kOk) return std::nullopt;
+  last_frame_ = std::move(result.frame);
+  Frame without_fixed = last_frame_;
+  without_fixed.image = watch_.without_lamps(last_frame_.image);
+  const LampPair pair = tracker_.locate(without_fixed, {});
+  last_looks_ = {pair.lamps[0].look, pair.lamps[1].look};
+  if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous) return std::nullopt;
+  std::array<Eigen::Vector2d, 2> lamps_B;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto p_W = vision_.workplane.plane_from_pixel(watch_.motion().then(pair.lamps[k].uv_px));
+    if (!p_W) return std::nullopt;
+    lamps_B[k] = *p_W;
+  }
+  return lamps_B;
+}
+
+std::optional<TipMeasurement> LampTipSensor::watch_camera(double t_s) {
+  if (!watch_.is_due(t_s)) return std::nullopt;
+  camera_.set_region({{}, camera_.sensor_size_px()});
+  const FrameResult whole = camera_.next_frame();
+  if (whole.status != FrameStatus::kOk)
+    return failed_look(TipStatus::kNoPicture, name(whole.status), whole.frame.t_s);
+  watch_.look(whole.frame);
+  if (!watch_.objection()) return std::nullopt;
+  spdlog::warn(watch_.objection()->text());
+  return failed_look(TipStatus::kNoLamps, kReferenceLamps, whole.frame.t_s);
+}
+
+LampTipSensor::Look LampTipSensor::locate(const FrameResult& result,
+                                          const PairExpectation& expectation) {
+  if (result.status != FrameStatus::kOk) return {{}, result.frame.t_s, result.status};
+  last_frame_ = result.frame;
+  if (last_frame_.region_px.size() == camera_.sensor_size_px()) watch_.look(last_frame_);
+  const LampPair pair = find_lamps(vision_, tracker_, last_frame_, expectation);
+  last_looks_ = {pair.lamps[0].look, pair.lamps[1].look};
+  return {pair, last_frame_.t_s, FrameStatus::kOk};
+}
+
+LampTipSensor::Look LampTipSensor::look(const FrameResult& result,
+                                        const PairExpectation& expectation) {
+  Look seen = locate(result, expectation);
+  const cv::Size sensor = camera_.sensor_size_px();
+  if (seen.frame != FrameStatus::kOk || seen.found() || last_frame_.region_px.size() == sensor)
+    return seen;
+  camera_.set_region({0, 0, sensor.width, sensor.height});
+  seen = locate(camera_.next_frame(), expectation);
+  if (seen.found()) aim_at({seen.pair.lamps[0].uv_px, seen.pair.lamps[1].uv_px});
+  return seen;
+}
+
+TipMeasurement LampTipSensor::position(
+    TipMeasurement measurement, const std::array<Eigen::Matrix2d, 2>& covariances_px2) const {
+  const ImageMotion& motion = watch_.motion();
+  const LampPixels then_px{motion.then(measurement.lamps_px[0]),
+                           motion.then(measurement.lamps_px[1])};
+  const auto place = place_tool(vision_, then_px, covariances_px2);
+  if (!place) return failed_look(TipStatus::kOutsideView, kOutsideView, measurement.t_s);
+  measurement.lamps_B = place->lamps_B;
+  measurement.p_vision = place->seen.p;
+  measurement.correction = place->error.error;
+  measurement.tip = place->tip();
+  measurement.inside_map = place->error.inside;
+  measurement.sigma_vision_m = std::sqrt(0.5 * place->covariance.trace());
+  const double vision_variance =
+      measurement.sigma_vision_m * measurement.sigma_vision_m / measurement.frames;
+  const double m_per_px = vision_.lamps.separation_m / (then_px[1] - then_px[0]).norm();
+  const Eigen::Vector2d middle_px = 0.5 * (then_px[0] + then_px[1]);
+  const double motion_variance =
+      0.5 * motion.covariance_px2(middle_px).trace() * m_per_px * m_per_px;
+  measurement.uncertainty_m =
+      std::sqrt(place->error.sigma * place->error.sigma + vision_variance + motion_variance);
+  return measurement;
+}
+
+}  // namespace planar

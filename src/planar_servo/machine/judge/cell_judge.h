@@ -1,0 +1,108 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "planar_servo/base/devices/tracker.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/calibration/tracker_registration.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/machine/judge/reflector_readings.h"
+
+namespace planar {
+
+/// A tracker that was tied to the base by one round over the monuments, with what it knows about a
+/// place.
+class RegisteredTracker {
+ public:
+  /// Throws InputError as register_datum() does.
+  RegisteredTracker(const CellSettings& cell, const std::vector<MonumentSeen>& seen);
+
+  /// Returns where a reading lies in the base frame, metres.
+  Eigen::Vector3d place(const TrackerReading& reading) const { return datum_.X_BL * reading.p_L; }
+
+  /// Returns the standard deviation of that place in the base plane, per axis, metres: of the
+  /// reading's own mean, and of the rigid motion that the monuments' means determine.
+  double sigma(const TrackerReading& reading) const;
+
+  /// Says what noise does not explain about the monuments; empty when it explains all.
+  const Refusal& doubt() const { return datum_.doubt; }
+
+ private:
+  /// Returns the variance of one reading's mean per axis, m^2.
+  double variance_of(const TrackerReading& reading) const;
+
+  TrackerSettings tracker_;
+  DatumRegistration datum_;
+  Eigen::MatrixXd covariance_;  ///< 6 x 6, of the motion's shift (m) and turn (rad) about the base
+};
+
+/// Judges the end point by the cell's tracker: P = X_BL reading - R(phi) p_TS, where the tool is
+/// supposed to have the direction phi.
+class TrackerJudge final : public Judge {
+ public:
+  /// `tool` says where the reflector sits. What is read grows in `file`, a tracker.csv that is made
+  /// with the first reading. `stop` is as in ReflectorReadings.
+  TrackerJudge(const CellSettings& cell, const ToolOffsets& tool, Tracker& tracker,
+               const std::filesystem::path& file, const std::function<bool()>& stop);
+
+  /// Ties the tracker to the base by `seen`, which no fit has used, or, where that is empty, by a
+  /// new round over the monuments. Then waits until the reflector is back on the tool. Throws what
+  /// ReflectorReadings and RegisteredTracker throw, and what Tracker::await_tool() throws.
+  void make_ready(const std::vector<MonumentSeen>& seen = {});
+
+  /// Takes the tool to be where these place it at the commanded joints, not where it is seen: for
+  /// loops whose vision is judged as well.
+  void suppose(std::function<TipPose(const Eigen::Vector3d& theta_c)> forward) {
+    forward_ = std::move(forward);
+  }
+  /// Prefixes a name to those of the places judged from now on.
+  void name_loop(const std::string& loop) { loop_ = loop + " "; }
+
+  JudgeKind kind() const override { return JudgeKind::kTracker; }
+  /// Reads the reflector, up to three times until a reading is good: at rest, moved as the tool
+  /// has, and near where the tool is supposed to be. A person who chose to do without is not asked
+  /// again. Makes itself ready where make_ready() was not called.
+  JudgedTip judge(const std::string& id, const Standing& standing) override;
+
+  /// Returns the standard deviation of the reflector's offset, the larger one of both axes.
+  double common_sigma() const override;
+
+ private:
+  JudgedTip tip_of(const TrackerReading& reading, const TipPose& supposed) const;
+
+  CellSettings cell_;
+  ToolOffsets tool_;
+  Tracker& tracker_;
+  std::filesystem::path file_;
+  std::function<bool()> stop_;
+  std::optional<GrowingFile> table_;
+  std::optional<ReflectorReadings> readings_;
+  std::optional<RegisteredTracker> registered_;
+  std::function<TipPose(const Eigen::Vector3d& theta_c)> forward_;
+  std::string loop_;
+};
+
+/// Throws InputError with a remedy when the tracker of a cell without a truth cannot judge it:
+/// there is none, or fewer than three monuments tie it to the base.
+void require_judging_tracker(const CellSettings& cell);
+
+/// Returns who judges this cell: its truth if it is virtual, or else its tracker. Throws InputError
+/// with a remedy when it has neither, or when its tracker cannot be tied to the end point.
+JudgeKind judge_of(const CellSettings& cell, const ToolOffsets& tool);
+
+/// Returns the judge, ready to be asked. A tracker's readings also go to the table `readings`,
+/// which grows; its monuments are read first, see TrackerJudge::make_ready().
+std::shared_ptr<Judge> make_judge(JudgeKind kind, const CellSettings& cell, const ToolOffsets& tool,
+                                  CellDevices& devices, const std::filesystem::path& readings,
+                                  const std::function<bool()>& stop);
+
+}  // namespace planar

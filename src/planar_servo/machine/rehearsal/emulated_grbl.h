@@ -1,0 +1,105 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/machine/rehearsal/pty_port.h"
+
+namespace planar {
+
+/// A Grbl 1.1 board on a serial port of its own, with motors that turn in real time. It has the
+/// jogging, jog cancel, hold, alarms, limit inputs, homing and settings of Grbl's documentation;
+/// the driver's protocol code is not used. Motion along straight pieces is planned to rest at the
+/// end of what is queued, and at sharp corners. Safe to use from any thread.
+class EmulatedGrbl {
+ public:
+  using Pulses = Eigen::Vector3i;
+  using Settings = std::map<int, double>;
+
+  /// Is called with the shafts, in pulses, whenever they have turned.
+  using OnPosition = std::function<void(const Pulses& shafts)>;
+
+  /// `port` is the name of the serial port, as PtyPort has it. Settings that are not given are
+  /// Grbl's own.
+  EmulatedGrbl(std::filesystem::path port, const Settings& settings, OnPosition on_position = {});
+  ~EmulatedGrbl();
+  EmulatedGrbl(const EmulatedGrbl&) = delete;
+  EmulatedGrbl& operator=(const EmulatedGrbl&) = delete;
+
+  std::string port() const { return port_.name(); }
+  /// Places the switch of each axis, its shaft's millimetres. Without them a search fails.
+  void place_switches(const std::optional<Eigen::Vector3d>& at_mm);
+
+ protected:
+  /// For boards with injected faults; `mutex_` guards all of it.
+  using Lock = std::lock_guard<std::mutex>;
+  /// Lets the motors turn until now.
+  void advance();
+  void hear(char byte);
+  void alarm(int number);
+  /// Restarts as after a power cut: the motors stop abruptly, and where they stand is 0.
+  void begin_anew();
+  double setting(int number) const { return settings_.at(number); }
+
+  std::mutex mutex_;
+  PtyPort port_;
+  Settings settings_;
+  Pulses told_{0, 0, 0};       ///< what the motors have really turned
+  double last_cancel_s_{0.0};  ///< when it last began to brake for a jog cancel
+  std::string last_jog_;       ///< the last that it was sent, whether it obeyed or not
+  std::string pins_;           ///< axes whose limit inputs are pressed
+  bool silent_{false};         ///< it neither obeys nor answers
+  int answers_to_lose_{0};     ///< this many of the next answers to lines are not sent
+
+ private:
+  enum class State { kIdle, kJog, kHold, kHome, kAlarm };
+  struct Piece {
+    Eigen::Vector3d target_mm;
+    double feed_mm_s;
+  };
+
+  void serve();
+  void obey_line(const std::string& line);
+  std::string answer_to(const std::string& line);
+  std::string jog(const std::string& words);
+  std::string change(const std::string& words);
+  std::string list_settings() const;
+  std::string report() const;
+  void write(const std::string& text);
+  void step(double dt_s);
+  void step_jog(double dt_s);
+  void step_home(double dt_s);
+  double way_to_rest() const;
+  void reset();
+  void stop_abruptly();
+  void tell_position();
+  Eigen::Vector3d of_axes(int first) const;
+  Pulses pulses(const Eigen::Vector3d& mm) const;
+
+  SteadyClock clock_;
+  OnPosition on_position_;
+  State state_{State::kIdle};
+  bool cancelling_{false};
+  std::string line_;
+  std::vector<std::string> held_lines_;
+  std::deque<Piece> queue_;
+  Eigen::Vector3d counted_mm_{0.0, 0.0, 0.0};
+  Eigen::Vector3d offset_mm_{0.0, 0.0, 0.0};  ///< the shafts' lengths minus the counted ones
+  std::optional<Eigen::Vector3d> switches_mm_;
+  double speed_{0.0};  ///< mm/s along the way
+  double now_s_;
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace planar

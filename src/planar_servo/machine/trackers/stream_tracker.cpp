@@ -1,0 +1,182 @@
+#include "planar_servo/machine/trackers/stream_tracker.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+
+namespace planar {
+namespace {
+
+constexpr double kWindow_s = 0.5;
+constexpr std::size_t kLeastReadings = 5;
+/// Noise of the stated size stays below in all but one of a thousand windows of five readings.
+constexpr double kScatterOverSigma = 1.5;
+constexpr double kLeastBound = 2.0 * kMicrometre;
+
+constexpr char kFrozen[] =
+    "the tracker is frozen: its readings are the same to the last digit, which is finer than "
+    "tracker.sigma_mm";
+
+constexpr double kStopPeriod_s = 0.2;
+constexpr char kBackOnTool[] = "place the reflector back on the tool";
+
+}  // namespace
+
+void RestWindow::add(const StreamedReading& reading, double arrived_s) {
+  window_.push_back({reading, arrived_s});
+  while (window_.size() > kLeastReadings && arrived_s - window_[1].arrived_s >= kWindow_s)
+    window_.pop_front();
+}
+
+bool RestWindow::is_full() const {
+  return window_.size() >= kLeastReadings &&
+         window_.back().arrived_s - window_.front().arrived_s >= kWindow_s;
+}
+
+std::optional<TrackerReading> RestWindow::at_rest() const {
+  if (!is_full() || scatter() > bound()) return std::nullopt;
+  double t_s = 0.0;
+  for (const Arrived& item : window_) t_s += item.reading.t_s.value_or(item.arrived_s);
+  return TrackerReading{t_s / static_cast<double>(window_.size()), mean(),
+                        static_cast<int>(window_.size()), scatter()};
+}
+
+bool RestWindow::is_frozen() const {
+  if (!is_full()) return false;
+  double resolution = window_.front().reading.resolution;
+  for (const Arrived& item : window_) resolution = std::min(resolution, item.reading.resolution);
+  const Eigen::Vector3d& first = window_.front().reading.p_L;
+  return resolution <= tracker_.sigma_at(first.norm()) &&
+         std::all_of(window_.begin(), window_.end(),
+                     [&](const Arrived& item) { return item.reading.p_L == first; });
+}
+
+std::string RestWindow::scatter_text() const {
+  return fmt::format("{} readings scatter by {:.4f} mm per axis, at rest at most by {:.4f} mm",
+                     window_.size(), scatter() / kMillimetre, bound() / kMillimetre);
+}
+
+Eigen::Vector3d RestWindow::mean() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Arrived& item : window_) sum += item.reading.p_L;
+  return sum / static_cast<double>(window_.size());
+}
+
+double RestWindow::scatter() const {
+  const Eigen::Vector3d centre = mean();
+  double square = 0.0;
+  for (const Arrived& item : window_) square += (item.reading.p_L - centre).squaredNorm();
+  return std::sqrt(square / (3.0 * static_cast<double>(window_.size())));
+}
+
+double RestWindow::bound() const {
+  return std::max(kLeastBound, kScatterOverSigma * tracker_.sigma_at(mean().norm()));
+}
+
+StreamTracker::StreamTracker(const CellSettings& cell, bool has_ids,
+                             std::shared_ptr<ReadingStream> stream,
+                             std::unique_ptr<StreamFeed> feed, std::shared_ptr<Operator> person,
+                             const StreamPatience& patience)
+    : tracker_(cell.tracker),
+      has_ids_(has_ids),
+      stream_(std::move(stream)),
+      feed_(std::move(feed)),
+      person_(std::move(person)),
+      patience_(patience) {
+  for (const Monument& monument : cell.datum) monuments_.insert(monument.id);
+}
+
+TrackerAnswer StreamTracker::measure_tool(const std::string& /*place*/) {
+  return measure([&](const StreamedReading& reading) { return is_of_tool(reading); });
+}
+
+TrackerAnswer StreamTracker::measure_monument(const std::string& id) {
+  if (has_ids_) {
+    spdlog::info(fmt::format(
+        "place the reflector on '{0}': it is read once it rests there and {1} calls it '{0}'", id,
+        stream_->source()));
+    return wait_for([&](const StreamedReading& reading) { return reading.id == id; });
+  }
+  const std::string word = person_->ask(
+      fmt::format("place the reflector on '{}' and press Enter; s skips, r repeats: ", id));
+  if (word == "s") return {TrackerStatus::kSkipped};
+  if (word == "r") return {TrackerStatus::kRepeat};
+  return measure([](const StreamedReading& /*reading*/) { return true; });
+}
+
+void StreamTracker::await_tool() {
+  if (has_ids_) {
+    spdlog::info(fmt::format("{}: the work resumes once it rests there", kBackOnTool));
+    const TrackerAnswer answer =
+        wait_for([&](const StreamedReading& reading) { return is_of_tool(reading); });
+    if (answer.status != TrackerStatus::kOk)
+      throw WorkError("the reflector was not placed back on the tool: " + answer.fault);
+  }
+  if (!has_ids_ || person_->is_attended())
+    person_->ask(fmt::format("{} and press Enter; the arm will move: ", kBackOnTool));
+}
+
+bool StreamTracker::is_of_tool(const StreamedReading& reading) const {
+  return monuments_.count(reading.id) == 0;
+}
+
+TrackerAnswer StreamTracker::measure(const Wanted& wanted) {
+  const SteadyClock clock;
+  const double end_s = clock.now_s() + patience_.rest_s;
+  RestWindow window(tracker_);
+  stream_->forget();
+  while (clock.now_s() < end_s) {
+    const auto event = hear(patience_.silence_s);
+    if (!event) return silent(patience_.silence_s);
+    if (!event->reading)
+      return TrackerAnswer::failed("a line is no reading (a broken beam?): " + event->fault);
+    if (!wanted(*event->reading)) continue;
+    window.add(*event->reading, event->arrived_s);
+    if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
+    if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
+  }
+  return TrackerAnswer::failed(fmt::format("the reflector did not come to rest within {} s: {}",
+                                           patience_.rest_s, window.scatter_text()));
+}
+
+/// The beam is broken while somebody carries the reflector, and the program may be silent.
+TrackerAnswer StreamTracker::wait_for(const Wanted& wanted) {
+  const SteadyClock clock;
+  const double end_s = clock.now_s() + patience_.carried_s;
+  RestWindow window(tracker_);
+  stream_->forget();
+  for (double left_s = patience_.carried_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
+    const auto event = hear(left_s);
+    if (!event || !event->reading || !wanted(*event->reading)) continue;
+    window.add(*event->reading, event->arrived_s);
+    if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
+    if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
+  }
+  return silent(patience_.carried_s);
+}
+
+std::optional<StreamEvent> StreamTracker::hear(double patience_s) {
+  const SteadyClock clock;
+  const double end_s = clock.now_s() + patience_s;
+  for (double left_s = patience_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
+    if (stop_ && stop_()) throw WorkError("stopped while the tracker was waited for");
+    if (auto event = stream_->next(std::min(left_s, kStopPeriod_s))) return event;
+  }
+  return std::nullopt;
+}
+
+TrackerAnswer StreamTracker::silent(double waited_s) const {
+  const std::string loss = stream_->loss();
+  return TrackerAnswer::failed(fmt::format("{}: no reading came for {} s (a broken beam?){}",
+                                           stream_->source(), waited_s,
+                                           loss.empty() ? "" : "; " + loss));
+}
+
+}  // namespace planar

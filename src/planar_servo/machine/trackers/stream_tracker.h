@@ -1,0 +1,101 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "planar_servo/base/devices/tracker.h"
+#include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/machine/trackers/reading_stream.h"
+#include "planar_servo/machine/trackers/tracker_kinds.h"
+
+namespace planar {
+
+/// Decides when a stream of readings has come to rest. The reflector rests when its readings over
+/// half a second, at least five of them, scatter by no more than half as much again as the cell's
+/// `tracker.sigma_mm` states (rms per axis); their mean is the reading.
+class RestWindow {
+ public:
+  explicit RestWindow(const TrackerSettings& tracker) : tracker_(tracker) {}
+
+  /// Takes the next reading, which arrived at this time on the computer's clock.
+  void add(const StreamedReading& reading, double arrived_s);
+
+  /// Returns the mean reading at rest, whose time is the tracker's or, where it tells none, that of
+  /// arrival.
+  std::optional<TrackerReading> at_rest() const;
+
+  /// Returns true when all readings are the same to the last digit, although that digit is finer
+  /// than the noise.
+  bool is_frozen() const;
+
+  /// Says by how much the readings scatter, and by how much they may.
+  std::string scatter_text() const;
+
+ private:
+  struct Arrived {
+    StreamedReading reading;
+    double arrived_s;
+  };
+
+  bool is_full() const;
+  Eigen::Vector3d mean() const;
+  double scatter() const;
+  double bound() const;
+
+  TrackerSettings tracker_;
+  std::deque<Arrived> window_;
+};
+
+/// Says how long a tracker's program is waited for, seconds.
+struct StreamPatience {
+  double silence_s{5.0};    ///< without any line
+  double rest_s{60.0};      ///< until the readings come to rest
+  double carried_s{300.0};  ///< while somebody carries the reflector to a monument or the tool
+};
+
+/// A tracker whose program writes readings all the time. A reading of it is the mean at rest
+/// (RestWindow) of what arrives after it was asked for. Where the lines have names, a monument is
+/// what is read under its name, and the tool what is read under any other; otherwise somebody at
+/// hand says when the reflector is on a monument, and when it is back on the tool.
+class StreamTracker final : public Tracker {
+ public:
+  /// `feed` feeds `stream` and may be null for a stream that somebody else feeds.
+  StreamTracker(const CellSettings& cell, bool has_ids, std::shared_ptr<ReadingStream> stream,
+                std::unique_ptr<StreamFeed> feed, std::shared_ptr<Operator> person,
+                const StreamPatience& patience = {});
+
+  TrackerAnswer measure_tool(const std::string& place) override;
+  // Both throw WorkError when somebody is to be asked and nobody can answer.
+  TrackerAnswer measure_monument(const std::string& id) override;
+  std::optional<bool> keeps(const std::string& id) override { return keeps_reading(*person_, id); }
+  void await_tool() override;
+  void stop_when(const std::function<bool()>& stop) override { stop_ = stop; }
+  void ask_of(const std::shared_ptr<Operator>& person) override { person_ = person; }
+  int readings_per_monument() const override { return 1; }
+
+ private:
+  using Wanted = std::function<bool(const StreamedReading&)>;
+  TrackerAnswer measure(const Wanted& wanted);
+  /// Waits, while the beam may break, for readings at rest.
+  TrackerAnswer wait_for(const Wanted& wanted);
+  bool is_of_tool(const StreamedReading& reading) const;
+  /// Returns the stream's next line, or nothing after `patience_s`.
+  std::optional<StreamEvent> hear(double patience_s);
+  TrackerAnswer silent(double waited_s) const;
+
+  TrackerSettings tracker_;
+  std::set<std::string> monuments_;
+  bool has_ids_;
+  std::shared_ptr<ReadingStream> stream_;
+  std::unique_ptr<StreamFeed> feed_;  ///< ends before the stream does
+  std::shared_ptr<Operator> person_;
+  StreamPatience patience_;
+  std::function<bool()> stop_;
+};
+
+}  // namespace planar

@@ -1,0 +1,352 @@
+#include "planar_servo/offline/plan/proposed_plan.h"
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <random>
+#include <set>
+#include <utility>
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/learn/field/lamp_field.h"
+#include "planar_servo/offline/map/learn_lamp_field.h"
+#include "planar_servo/offline/plan/experiment_plan.h"
+
+namespace planar {
+namespace {
+
+/// What is known of all unknowns, and what a reading adds.
+class Knowledge {
+ public:
+  Knowledge(const JointEstimate& estimate, const std::vector<PoseSample>& candidates)
+      : estimate_(estimate), covariance_(estimate.fit.covariance) {
+    const LampField field = lamp_field(estimate, candidates);
+    const std::vector<Eigen::Index> unknowns = field_unknowns(estimate);
+    for (const PoseSample& candidate : candidates) {
+      Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, covariance_.rows());
+      rows(Eigen::all, unknowns) = end_point_rows(field, candidate.lamps_B);
+      end_points_.push_back(std::move(rows));
+    }
+  }
+
+  /// Returns the standard deviation per axis of the end point at every candidate.
+  std::vector<double> sigmas() const {
+    std::vector<double> all;
+    for (const Eigen::MatrixXd& rows : end_points_)
+      all.push_back(std::sqrt(0.5 * (rows * covariance_).cwiseProduct(rows).sum()));
+    return all;
+  }
+
+  /// Conditions on a reading of this pose.
+  void add(const PoseSample& pose) {
+    const JointFit& fit = estimate_.fit;
+    const Eigen::Index n = fit.field_terms();
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, covariance_.rows());
+    A.rightCols(estimate_.model().terms()) = estimate_.model().jacobian(pose, fit.arm);
+    for (int lamp = 0; lamp < 2; ++lamp) {
+      const Eigen::RowVectorXd b = fit.basis.at(pose.lamps_B[static_cast<std::size_t>(lamp)]);
+      A.row(2 + 2 * lamp).head(b.size()) = b;
+      A.row(3 + 2 * lamp).segment(n, b.size()) = b;
+    }
+    Eigen::MatrixXd S = A * covariance_ * A.transpose();
+    S.diagonal().head<2>().array() += pose.sigma_reflector * pose.sigma_reflector;
+    S.diagonal().tail<4>().array() += pose.sigma_lamp * pose.sigma_lamp;
+    if (const auto gain = solve_positive(S, A * covariance_))
+      covariance_ -= (A * covariance_).transpose() * *gain;
+  }
+
+ private:
+  const JointEstimate& estimate_;
+  Eigen::MatrixXd covariance_;
+  std::vector<Eigen::MatrixXd> end_points_;
+};
+
+constexpr int kCandidates = 300;
+constexpr std::uint64_t kOrderSeed = 1;
+/// Noise of a lamp's place before one was measured, metres.
+constexpr double kLampSigma_m = 2e-6;
+/// Readings that bring the accuracy within this share of what all bring are enough.
+constexpr double kNearly = 1.05;
+
+/// A place where a reading could be taken.
+struct Candidate {
+  PoseSample pose;
+  TipPose tip;
+};
+
+/// The cell as far as its files tell.
+struct KnownCell {
+  const CellSettings& cell;
+  JointPlanner planner;
+  ArmNominal nominal;
+  std::optional<VisionCalibration> vision;
+};
+
+KnownCell known(const CellSettings& cell) {
+  KnownCell known{cell, joint_planner(cell), {}, std::nullopt};
+  const auto files = calibration_files(cell, false);
+  if (std::all_of(files.begin(), files.end(),
+                  [](const MadeFile& file) { return std::filesystem::exists(file.path); })) {
+    known.vision = read_vision(cell, false);
+    known.nominal = nominal_arm(cell, *known.vision);
+  } else {
+    known.nominal =
+        nominal_arm(cell, VisionCalibration{cell.lamps.layout, {{}, Pose::Identity()}, {}});
+    known.nominal.p_camera_B = ArmNominal().p_camera_B;
+  }
+  return known;
+}
+
+bool is_seen(const KnownCell& known, const TipPose& tip) {
+  return !known.vision || lamps_from_tip(known.vision->workplane, known.vision->tool,
+                                         known.cell.lamps.layout.separation_m, tip);
+}
+
+/// Returns what will be seen and read at these joint angles.
+PoseSample pose_at(const KnownCell& known, const Joints& theta) {
+  const ArmModel model(known.nominal, {0, true});
+  PoseSample pose;
+  pose.motors = known.planner.transmission().motors_from_joints(theta);
+  const ToolPoints points = model.at({pose.motors, 0.0}, model.nominal());
+  pose.lamps_B = {points.points.col(1), points.points.col(2)};
+  pose.sigma_lamp = kLampSigma_m;
+  pose.sigma_reflector = known.cell.tracker.sigma_m;
+  return pose;
+}
+
+/// Returns places that fill the workspace evenly, as far as arm and camera reach.
+std::vector<Candidate> candidates_of(const KnownCell& known) {
+  const Eigen::Matrix2Xd places = spiral_over_disc(known.cell.workspace.radius_max_m, kCandidates);
+  std::vector<Candidate> candidates;
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const TipPose tip{places.col(i), known.cell.tool_orientation};
+    const JointPlan plan = known.planner.plan(tip, known.cell.arm.home);
+    if (plan.refusal || !is_seen(known, tip)) continue;
+    candidates.push_back({pose_at(known, plan.theta), tip});
+  }
+  if (candidates.empty())
+    throw InputError({"no place of the workspace can be reached and seen",
+                      "see planar-servo --dry-run for the reason", known.cell.file});
+  return candidates;
+}
+
+std::vector<PoseSample> poses_of(const std::vector<Candidate>& candidates) {
+  std::vector<PoseSample> poses;
+  poses.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) poses.push_back(candidate.pose);
+  return poses;
+}
+
+/// Returns what is known before or after readings: by the pairs, or by the first rows of a plan.
+JointEstimate estimate_of(const KnownCell& known, const std::vector<PairRow>& pairs) {
+  if (!pairs.empty()) return estimate_jointly(known.nominal, pose_samples(known.cell, pairs));
+  JointEstimate estimate;
+  estimate.nominal = known.nominal;
+  auto fit = fit_jointly(estimate.model(), {}, {}, known.cell.workspace.radius_max_m);
+  if (!fit) throw WorkError("the equations of field and arm cannot be solved for this cell");
+  estimate.fit = std::move(*fit);
+  return estimate;
+}
+
+/// Mixes places in the same way on every platform.
+void mix(std::vector<TipPose>& tips) {
+  std::mt19937_64 rng(kOrderSeed);
+  for (std::size_t left = tips.size(); left > 1; --left)
+    std::swap(tips[left - 1], tips[rng() % left]);
+}
+
+/// Returns the joint angles at a place if the arm may go there from others.
+std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const TipPose& tip) {
+  const JointPlan plan = known.planner.plan(tip, from);
+  if (plan.refusal || known.planner.way_refusal(from, plan.theta)) return std::nullopt;
+  return plan.theta;
+}
+
+/// Orders places at random, because a step in time can be told from the field only where successive
+/// places are not neighbours. A place to which the way is forbidden is tried again after the next
+/// one; those to which none leads are left out.
+std::vector<PlanRow> rows_at_random(const KnownCell& known, Plan plan, std::vector<TipPose> tips,
+                                    std::size_t first) {
+  mix(tips);
+  std::vector<PlanRow> rows;
+  Joints at = known.cell.arm.home;
+  for (std::size_t i = 0; i < tips.size();) {
+    const auto theta = way_to(known, at, tips[i]);
+    if (!theta) {
+      ++i;
+      continue;
+    }
+    at = *theta;
+    rows.push_back(
+        {fmt::format("{}_{:03}", name_in(kPlans, plan), first + rows.size()), plan, tips[i]});
+    tips.erase(tips.begin() + static_cast<std::ptrdiff_t>(i));
+    i = 0;
+  }
+  return rows;
+}
+
+/// Returns the first number of an id train_NNN or pose_NNN that no pair has.
+std::size_t next_number(Plan plan, const std::vector<PairRow>& pairs) {
+  std::set<std::string> ids;
+  for (const PairRow& pair : pairs) ids.insert(pair.id);
+  std::size_t number = pairs.size();
+  while (ids.count(fmt::format("{}_{:03}", name_in(kPlans, plan), number)) != 0) ++number;
+  return number;
+}
+
+/// Returns views of the board, sweeps and unattended poses of an experiment of this size.
+std::vector<PlanRow> drawn_rows(const CellSettings& cell, ExperimentSize size) {
+  size.training_points = size.test_points = size.check_points = size.run_points = 0;
+  return experiment_plan(cell, 0, size).rows;
+}
+
+std::vector<TipPose> unattended_poses(const CellSettings& cell, int count) {
+  ExperimentSize size;
+  size.board_views = size.lays = size.sweep_points = 0;
+  size.unattended_poses = count;
+  std::vector<TipPose> tips;
+  for (const PlanRow& row : drawn_rows(cell, size)) tips.push_back(std::get<TipPose>(row.where));
+  return tips;
+}
+
+/// Throws InputError for fewer places than a plan without readings needs.
+void require_poses(const CellSettings& cell, std::size_t n, std::size_t fewest) {
+  if (n < fewest)
+    throw InputError({fmt::format("the plan has no reading, and the arm can reach {} of its "
+                                  "unattended poses",
+                                  n),
+                      fmt::format("{} are needed: plan more, or see planar-servo --dry-run for why "
+                                  "places cannot be reached",
+                                  fewest),
+                      cell.file});
+}
+
+/// Returns what a plan begins with that begins a calibration.
+ExperimentSize first_size(const PlanRequest& request) {
+  ExperimentSize size;
+  size.lays = request.lays;
+  if (request.readings > 0) return with_readings(size, request.readings);
+  const auto fewest = static_cast<int>(kFewestPoses);
+  if (request.lays < kFewestLays || request.unattended < fewest)
+    throw InputError(
+        {fmt::format("without a tracker reading {} lays of the board and {} unattended "
+                     "poses do not tell the vision error",
+                     request.lays, request.unattended),
+         fmt::format("plan {} lays and {} poses at least", kFewestLays, fewest)});
+  size.sweep_points = size.training_points = 0;
+  return size;
+}
+
+/// Puts views of the board last: only the other rows need the tracker, which is rented.
+void put_boards_last(std::vector<PlanRow>& rows) {
+  std::stable_partition(rows.begin(), rows.end(),
+                        [](const PlanRow& row) { return !shows_board(row.plan); });
+}
+
+/// Returns the poses of a plan's rows as far as they have any.
+std::vector<PoseSample> poses_of(const KnownCell& known, const std::vector<PlanRow>& rows) {
+  std::vector<PoseSample> poses;
+  for (const PlanRow& row : rows) {
+    if (const auto* theta = std::get_if<Joints>(&row.where))
+      poses.push_back(pose_at(known, *theta));
+    if (const auto* tip = std::get_if<TipPose>(&row.where))
+      poses.push_back(pose_at(known, known.planner.plan(*tip, known.cell.arm.home).theta));
+  }
+  return poses;
+}
+
+double length_of(double sigma) {
+  return sigma * std::sqrt(kPi / 2.0);
+}
+
+/// Chooses places for readings, and says in `plan`, whose rows are read before them, what to
+/// expect.
+std::vector<TipPose> most_telling(const KnownCell& known, const std::vector<PairRow>& pairs,
+                                  int places, ProposedPlan& plan) {
+  const std::vector<Candidate> candidates = candidates_of(known);
+  const NextPlaces next =
+      choose_next_places(estimate_of(known, pairs), poses_of(candidates),
+                         static_cast<std::size_t>(places), poses_of(known, plan.rows));
+  plan.before = length_of(next.sigmas.front());
+  plan.after = length_of(next.sigmas.back());
+  plan.enough = static_cast<int>(
+      std::find_if(next.sigmas.begin(), next.sigmas.end(),
+                   [&](double sigma) { return sigma <= kNearly * next.sigmas.back(); }) -
+      next.sigmas.begin());
+  std::vector<TipPose> tips;
+  for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
+  return tips;
+}
+
+}  // namespace
+
+NextPlaces choose_next_places(const JointEstimate& estimate,
+                              const std::vector<PoseSample>& candidates, std::size_t count,
+                              const std::vector<PoseSample>& first) {
+  NextPlaces next;
+  Knowledge knowledge(estimate, candidates);
+  for (const PoseSample& pose : first) knowledge.add(pose);
+  std::vector<double> sigmas = knowledge.sigmas();
+  next.sigmas.push_back(mean(sigmas));
+  std::vector<bool> taken(candidates.size(), false);
+  while (next.chosen.size() < std::min(count, candidates.size())) {
+    std::size_t best = candidates.size();
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      if (!taken[i] && (best == candidates.size() || sigmas[i] > sigmas[best])) best = i;
+    taken[best] = true;
+    next.chosen.push_back(best);
+    knowledge.add(candidates[best]);
+    sigmas = knowledge.sigmas();
+    next.sigmas.push_back(mean(sigmas));
+  }
+  return next;
+}
+
+bool ProposedPlan::worth_reading() const {
+  return before > kNearly * after;
+}
+
+ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
+                          const std::vector<PairRow>& pairs) {
+  const KnownCell known_cell = known(cell);
+  ProposedPlan plan;
+  plan.readings = request.readings;
+  int places = request.readings;
+  if (pairs.empty()) {
+    const ExperimentSize size = first_size(request);
+    plan.rows = drawn_rows(cell, size);
+    places = size.training_points;
+  }
+  const auto add = [&](Plan kind, std::vector<TipPose> tips) {
+    for (PlanRow& row : rows_at_random(known_cell, kind, std::move(tips), next_number(kind, pairs)))
+      plan.rows.push_back(std::move(row));
+  };
+  if (places > 0) add(Plan::kTrain, most_telling(known_cell, pairs, places, plan));
+  const std::size_t before = plan.rows.size();
+  add(Plan::kPose, unattended_poses(cell, request.unattended));
+  if (request.readings == 0)
+    require_poses(cell, plan.rows.size() - before, pairs.empty() ? kFewestPoses : 1);
+  put_boards_last(plan.rows);
+  return plan;
+}
+
+std::string proposal_text(const ProposedPlan& plan) {
+  std::string text = fmt::format("rows                {}\n", plan.rows.size());
+  if (plan.readings == 0) return text;
+  text +=
+      fmt::format("end point           {:.4f} mm expected now, {:.4f} mm after these readings\n",
+                  mm(plan.before), mm(plan.after));
+  if (!plan.worth_reading())
+    return text + "stop                further readings gain less than 5 %\n";
+  return text + fmt::format("nearly there        after {} places for training\n", plan.enough);
+}
+
+}  // namespace planar

@@ -1,0 +1,350 @@
+#include "planar_servo/work/jog/jog_console.h"
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <string_view>
+#include <utility>
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/csv_table.h"
+#include "planar_servo/files/calibration_files.h"
+
+namespace planar {
+namespace {
+
+/// So many names of a long table are listed.
+constexpr std::size_t kNamesTold = 20;
+
+/// Returns the text of a table that is to grow; empty when there is no file.
+std::string text_of(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return "";
+  std::string text = read_file(path);
+  if (!text.empty() && text.back() != '\n')
+    throw InputError(
+        {"the last line does not end with a newline", "mend it or name another file", path});
+  return text;
+}
+
+bool lacks_phi(const std::string& header) {
+  return split_fields(header) == std::vector<std::string_view>{"id", "x_mm", "y_mm"};
+}
+
+/// `has_phi` becomes false for a table without directions.
+std::vector<TargetRow> targets_in(const std::filesystem::path& path, bool& has_phi) {
+  TargetLines lines(path.string());
+  const std::string whole = text_of(path);
+  std::istringstream text(whole);
+  std::vector<TargetRow> targets;
+  Faults faults;
+  for (std::string line; std::getline(text, line);) {
+    const bool had_columns = lines.has_columns();
+    try {
+      if (auto target = lines.next(line)) targets.push_back(std::move(*target));
+    } catch (const InputError& e) {
+      if (!lines.has_columns()) throw;
+      for (const Refusal& refusal : e.refusals()) faults.add(refusal);
+    }
+    if (lines.has_columns() && !had_columns) has_phi = !lacks_phi(line);
+    if (lines.has_columns() && !had_columns && has_phi &&
+        split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
+      throw InputError(
+          {fmt::format("the header is '{}'; targets can only be added below id,x_mm,y_mm,phi_deg",
+                       line),
+           "name another file", fmt::format("{}:{}", path.string(), lines.line())});
+  }
+  faults.throw_if_any();
+  if (!whole.empty() && !lines.has_columns())
+    throw InputError(
+        {"has no header", "write id,x_mm,y_mm,phi_deg there or name another file", path});
+  return targets;
+}
+
+auto find_target(const std::vector<TargetRow>& targets, const std::string& id) {
+  return std::find_if(targets.begin(), targets.end(),
+                      [&](const TargetRow& target) { return target.id == id; });
+}
+
+std::string names_of(const std::vector<TargetRow>& targets) {
+  if (targets.empty()) return "teach one first (command teach ID)";
+  std::vector<std::string> names;
+  for (const TargetRow& target : targets)
+    if (names.size() < kNamesTold) names.push_back(target.id);
+  const std::size_t left = targets.size() - names.size();
+  return fmt::format("there are {}{}", fmt::join(names, ", "),
+                     left > 0 ? fmt::format(" and {} more", left) : "");
+}
+
+constexpr char kTable[] =
+    "planar-jog takes one by --teach; planar-console takes targets.csv once it is in order";
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kAnyWords = std::numeric_limits<std::size_t>::max();
+
+double number_of(const std::string& word, const std::string& what) {
+  const auto value = finite_number(word);
+  if (!value)
+    throw InputError({fmt::format("{} is '{}'", what, word), "a finite number is needed"});
+  return *value;
+}
+
+/// Returns the joint that a word names, counted from 0.
+int joint_of(const std::string& word) {
+  if (word != "1" && word != "2" && word != "3")
+    throw InputError({fmt::format("the joint is '{}'", word), "allowed are 1, 2, 3"});
+  return word[0] - '1';
+}
+
+/// Returns the first name of frame_1.png, frame_2.png, ... that no file has.
+fs::path free_frame_name() {
+  for (int i = 1;; ++i)
+    if (fs::path name = fmt::format("frame_{}.png", i); !fs::exists(name)) return name;
+}
+
+}  // namespace
+
+TaughtTargets::TaughtTargets(std::filesystem::path path)
+    : path_(std::move(path)), targets_(targets_in(path_, has_phi_)) {
+  require_growable(path_);
+}
+
+void TaughtTargets::append(const TargetRow& target) {
+  if (target.id.empty()) throw InputError(Refusal{"the id is empty", "every target needs one"});
+  if (find_target(targets_, target.id) != targets_.end())
+    throw InputError({fmt::format("the id '{}' is taken", target.id), "ids must differ"});
+  // A table begun by a person was read before and may begin unlike our own.
+  const bool begun = std::filesystem::exists(path_) && !std::filesystem::is_empty(path_);
+  std::string line = target_line(target);
+  if (begun && !has_phi_) line = line.substr(0, line.rfind(',')) + '\n';
+  GrowingFile(path_, begun ? "" : targets_header()).append(line, Durability::kPowerLoss);
+  targets_.push_back(target);
+  if (!has_phi_) targets_.back().phi_d.reset();
+}
+
+const TargetRow& TaughtTargets::at(const std::string& id) const {
+  const auto target = find_target(targets_, id);
+  if (target == targets_.end())
+    throw InputError({fmt::format("no place '{}' is taught", id), names_of(targets_)});
+  return *target;
+}
+
+struct JogConsole::Command {
+  const char* verb;
+  std::size_t least_words, most_words;  ///< words that follow the verb
+  std::string (JogConsole::*work)(const Words&);
+  const char* help;
+};
+
+const std::vector<JogConsole::Command>& JogConsole::commands() {
+  static const std::vector<Command> commands{
+      {"enable", 0, 0, &JogConsole::enable, "switch the drives on, also after a fault"},
+      {"home", 0, 1, &JogConsole::home,
+       "[JOINT]: search the home switch of that joint, or of every joint that needs it"},
+      {"mark", 1, 1, &JogConsole::mark, "JOINT: say that the motor stands at its mark now"},
+      {"joint", 2, 2, &JogConsole::turn_joint, "JOINT DEG: turn one motor"},
+      {"x", 1, 1, &JogConsole::move_x, "MM: move the end point along x"},
+      {"y", 1, 1, &JogConsole::move_y, "MM: move the end point along y"},
+      {"go", 1, kAnyWords, &JogConsole::go, "ID: move to a place of the table --teach"},
+      {"where", 0, 0, &JogConsole::where, "show joints and end point as commanded"},
+      {"look", 0, 0, &JogConsole::look,
+       "show the picture's brightness and the end point as it is seen"},
+      {"find", 0, 0, &JogConsole::find, "look for the lamps in the whole frame"},
+      {"focus", 0, 0, &JogConsole::focus,
+       "show how wide the lamps' edges are, to turn the lens by; best since another command"},
+      {"save", 0, 1, &JogConsole::save,
+       "[FILE.png]: take a whole frame and save it, by default in frame_1.png, ..."},
+      {"exposure", 1, 2, &JogConsole::expose, "US [GAIN_DB]: set exposure time and gain, and look"},
+      {"teach", 1, 1, &JogConsole::teach, "ID: append this place to the targets"}};
+  return commands;
+}
+
+JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs::path& teach,
+                       const std::function<bool()>& stop, Announce announce)
+    : cell_(cell),
+      devices_(devices),
+      announce_(announce ? std::move(announce) : [](const std::string&) {}),
+      arm_(cell, devices, stop, announce_),
+      lamps_({devices.camera().sensor_size_px(), cell.lamps.layout, vision_so_far(cell),
+              cell.reference_lamps},
+             cell.lamps.method, devices.camera(), cell.camera.follow_region_px) {
+  if (const auto& vision = lamps_.vision())
+    sensor_.emplace(*vision, cell.lamps.method, devices.camera(), cell.camera.follow_region_px);
+  if (!teach.empty()) taught_.emplace(teach);
+}
+
+JogConsole::Answer JogConsole::execute(const std::string& line) {
+  std::istringstream stream(line);
+  Words words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  if (words.empty() || words[0][0] == '#') return {};
+  if (words[0] == "help") return {true, help()};
+  const auto& all = commands();
+  const auto command = std::find_if(
+      all.begin(), all.end(), [&](const Command& candidate) { return words[0] == candidate.verb; });
+  if (command == all.end())
+    return {false, fmt::format("there is no command '{}'; 'help' lists them", words[0])};
+  words.erase(words.begin());
+  if (words.size() < command->least_words || words.size() > command->most_words)
+    return {false, fmt::format("'{}' is not understood; help says '{} {}'", line, command->verb,
+                               command->help)};
+  if (command->work != &JogConsole::focus) lamps_.forget_best();
+  try {
+    return {true, (this->*command->work)(words)};
+  } catch (const StopRequested& e) {
+    return {false, fmt::format("{}; {}", e.what(), arm_.where())};
+  } catch (const InputError& e) {
+    return {false, e.what()};
+  } catch (const WorkError& e) {
+    return {false, e.what()};
+  }
+}
+
+std::optional<Eigen::Vector2d> JogConsole::seen() const {
+  if (!seen_ || arm_.known_pulses() != seen_->pulses) return std::nullopt;
+  return seen_->p;
+}
+
+const char* JogConsole::help() {
+  static const std::string text = [] {
+    std::string lines;
+    for (const Command& command : commands())
+      lines += fmt::format("{:<9} {}\n", command.verb, command.help);
+    return lines + "quit      end the program; the drives halt";
+  }();
+  return text.c_str();
+}
+
+std::string JogConsole::enable(const Words& /*words*/) {
+  arm_.enable();
+  const std::string to_do = arm_.how_to_home();
+  if (to_do.empty()) return "the drives are on and know where they stand";
+  return "the drives are on; still to be homed: " + to_do;
+}
+
+std::string JogConsole::home(const Words& words) {
+  const std::size_t homed =
+      arm_.home(words.empty() ? std::nullopt : std::optional<int>(joint_of(words[0])));
+  return fmt::format("{} homed", homed == 0   ? "nothing had to be"
+                                 : homed == 1 ? "one joint"
+                                              : fmt::format("{} joints", homed));
+}
+
+std::string JogConsole::mark(const Words& words) {
+  arm_.mark(joint_of(words[0]));
+  return arm_.where();
+}
+
+std::string JogConsole::turn_joint(const Words& words) {
+  const int joint = joint_of(words[0]);
+  arm_.turn(joint, number_of(words[1], "the angle in degrees") * kDegree);
+  return arm_.where();
+}
+
+std::string JogConsole::move_x(const Words& words) {
+  arm_.step({number_of(words[0], "the step in mm") * kMillimetre, 0.0});
+  return arm_.where();
+}
+
+std::string JogConsole::move_y(const Words& words) {
+  arm_.step({0.0, number_of(words[0], "the step in mm") * kMillimetre});
+  return arm_.where();
+}
+
+std::string JogConsole::go(const Words& words) {
+  if (!taught_) throw InputError(Refusal{"there is no table of taught places", kTable});
+  const TargetRow& target = taught_->at(fmt::format("{}", fmt::join(words, " ")));
+  const std::string by = arm_.go_to(target);
+  return fmt::format("moved to {}, {}, {}: joints {} deg", target.id, place_mm(target.p_d), by,
+                     fixed(arm_.commanded() / kDegree, 3, " "));
+}
+
+std::string JogConsole::where(const Words& /*words*/) {
+  return arm_.where();
+}
+
+std::string JogConsole::look(const Words& /*words*/) {
+  announce_look(sensor_ ? cell_.servo.frames_per_measurement : 0);
+  std::string text = read_exposure(lamps_.whole_frame().image).text();
+  if (!sensor_) return text + "\nthe cell's vision is not calibrated yet";
+  if (const std::string unknown = arm_.how_to_home(); !unknown.empty())
+    return text + "\nthe tool is not measured: nobody knows where the arm stands; " + unknown;
+  const TipMeasurement seen = measure();
+  if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.word;
+  return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", place_mm(seen.tip.p),
+                            mm(seen.uncertainty_m),
+                            lamps_.vision()->error_map ? "" : ", without an error map");
+}
+
+std::string JogConsole::find(const Words& /*words*/) {
+  announce_look(0);
+  return lamps_.find();
+}
+
+std::string JogConsole::focus(const Words& /*words*/) {
+  return lamps_.focus();
+}
+
+std::string JogConsole::save(const Words& words) {
+  const fs::path file = words.empty() ? free_frame_name() : fs::path(words[0]);
+  if (file.extension() != ".png")
+    throw InputError({"a frame is saved as PNG", "end the name in .png", file});
+  require_writable(file, "picture");
+  announce_look(0);
+  const Frame frame = lamps_.whole_frame();
+  constexpr int kFast = 1;  // of 9; a higher one costs seconds and saves a few per cent
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", frame.image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kFast});
+  write_file(file, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  return fmt::format("{}: the whole frame of {} x {} px", file.string(), frame.image.cols,
+                     frame.image.rows);
+}
+
+std::string JogConsole::expose(const Words& words) {
+  CameraExposure exposure = devices_.camera().exposure();
+  exposure.time_s = number_of(words[0], "the exposure in us") * kMicrosecond;
+  if (words.size() > 1) exposure.gain_db = number_of(words[1], "the gain in dB");
+  devices_.camera().set_exposure(exposure);
+  return fmt::format("exposure {:.0f} us, gain {:.1f} dB\n", exposure.time_s / kMicrosecond,
+                     exposure.gain_db) +
+         look({});
+}
+
+std::string JogConsole::teach(const Words& words) {
+  if (!taught_) throw InputError(Refusal{"there is no table to teach", kTable});
+  if (const std::string unknown = arm_.how_to_home(); !unknown.empty())
+    throw InputError(Refusal{"drives do not know where they stand", unknown});
+  const TipPose commanded = arm_.tip();
+  if (!sensor_) {
+    taught_->append({words[0], commanded.p, commanded.phi});
+    return fmt::format("taught {} at {} as commanded: the cell's vision is not calibrated yet",
+                       words[0], place_mm(commanded.p));
+  }
+  const TipMeasurement seen = measure();
+  if (!seen.ok()) throw WorkError("nothing was taught; the tool is not measured: " + seen.word);
+  taught_->append({words[0], seen.tip.p, commanded.phi});
+  return fmt::format("taught {} at {} as seen", words[0], place_mm(seen.tip.p));
+}
+
+void JogConsole::announce_look(int frames) {
+  const cv::Size sensor_px = devices_.camera().sensor_size_px();
+  const double settle_s = frames > 0 ? cell_.servo.settle_s : 0.0;
+  constexpr int kWhole = 2;  // a whole frame, which begins while another one is under way
+  announce_(fmt::format("looking at the whole frame of {} x {} px: about {:.0f} s", sensor_px.width,
+                        sensor_px.height,
+                        std::ceil(settle_s + (kWhole + frames) / cell_.camera.frame_rate_hz)));
+}
+
+TipMeasurement JogConsole::measure() {
+  devices_.clock().sleep_for_s(cell_.servo.settle_s);
+  TipMeasurement seen = sensor_->measure(arm_.tip(), cell_.servo.frames_per_measurement);
+  if (seen.ok()) seen_ = Seen{seen.tip.p, *arm_.known_pulses()};
+  return seen;
+}
+
+}  // namespace planar

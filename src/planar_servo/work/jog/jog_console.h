@@ -1,0 +1,106 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/loop/vision/lamp_tip_sensor.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/jog/jog_arm.h"
+#include "planar_servo/work/jog/lamp_finder.h"
+
+namespace planar {
+
+/// A targets.csv to which taught places are appended, a whole line at a time.
+class TaughtTargets {
+ public:
+  /// Continues the file that is there. A file that is empty or missing is begun with the first
+  /// target. Throws InputError naming bad rows, when the columns are not id, x_mm, y_mm and perhaps
+  /// phi_deg in this order, when the last line has no end, and when the file cannot be written.
+  explicit TaughtTargets(std::filesystem::path path);
+
+  /// Appends a target, without its direction in a table without directions. Throws InputError for
+  /// an id that is taken or cannot be one; the file is then unchanged.
+  void append(const TargetRow& target);
+
+  /// Throws InputError that names the ids there are for an id that is not among them.
+  const TargetRow& at(const std::string& id) const;
+
+ private:
+  std::filesystem::path path_;
+  bool has_phi_{true};
+  std::vector<TargetRow> targets_;
+};
+
+/// Lets a person move a cell by hand, one command at a time:
+///   enable | home [JOINT] | mark JOINT | joint JOINT DEG | x MM | y MM | go ID | where | look |
+///   find | focus | save [FILE.png] | exposure US [GAIN_DB] | teach ID
+/// Joints count from 1. `joint` turns the motor behind its gear by the angle, and with it what
+/// rides on that link. Nothing changes for a command that is wrong and for a motion that is too
+/// long or leaves the workspace or a motor's limits. From outside the workspace only ways that lead
+/// towards it are open.
+class JogConsole {
+ public:
+  struct Answer {
+    bool done{true};
+    std::string text;  ///< says what was done, or why it was not
+  };
+
+  /// Opens the console and moves nothing. With an empty path `teach` nothing can be taught. `stop`
+  /// is as in PlanarRobot::stop_when(), `announce` as for JogArm(). Throws InputError for a table
+  /// that cannot be appended to and for files of the cell that cannot be read.
+  JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach,
+             const std::function<bool()>& stop = {}, Announce announce = {});
+
+  Answer execute(const std::string& line);
+
+  JogArm& arm() { return arm_; }
+  /// Returns where the end point was seen, if it was since the arm moved last.
+  std::optional<Eigen::Vector2d> seen() const;
+
+  /// Returns a line for each command.
+  static const char* help();
+
+ private:
+  using Words = std::vector<std::string>;
+  struct Command;
+  static const std::vector<Command>& commands();
+
+  std::string enable(const Words& words);
+  std::string home(const Words& words);
+  std::string mark(const Words& words);
+  std::string turn_joint(const Words& words);
+  std::string move_x(const Words& words);
+  std::string move_y(const Words& words);
+  std::string go(const Words& words);
+  std::string where(const Words& words);
+  std::string look(const Words& words);
+  std::string find(const Words& words);
+  std::string focus(const Words& words);
+  std::string save(const Words& words);
+  std::string expose(const Words& words);
+  std::string teach(const Words& words);
+
+  /// Says that the camera is looked through, for some frames beside a whole one.
+  void announce_look(int frames);
+  TipMeasurement measure();
+
+  /// The end point as it was seen with the motors at these positions.
+  struct Seen {
+    Eigen::Vector2d p;
+    Pulses pulses;
+  };
+
+  CellSettings cell_;
+  CellDevices& devices_;
+  Announce announce_;
+  JogArm arm_;
+  LampFinder lamps_;
+  std::optional<LampTipSensor> sensor_;  ///< empty while the cell's vision is not calibrated
+  std::optional<TaughtTargets> taught_;
+  std::optional<Seen> seen_;
+};
+
+}  // namespace planar

@@ -1,0 +1,200 @@
+#include "planar_servo/work/jog/lamp_finder.h"
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/lamps/lamp_center.h"
+#include "planar_servo/loop/vision/lamp_tip_sensor.h"
+#include "planar_servo/loop/vision/reference_lamps.h"
+
+namespace planar {
+namespace {
+
+constexpr int kWhite = 255;
+constexpr int kLeastPeak = 128;  // below this, half of the grey levels are unused
+/// The share of lit pixels that may be saturated. Lamps are measured by their edges, which clipping
+/// at the top leaves alone; a larger share says that the edges are clipped soon.
+constexpr double kMostSaturated = 0.02;
+constexpr std::size_t kHotPixels = 20;
+constexpr int kBarWidth = 32;
+
+using Histogram = std::array<std::size_t, 256>;
+
+Histogram histogram_of(const cv::Mat& image) {
+  Histogram counts{};
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* pixel = image.ptr<unsigned char>(row);
+    for (int column = 0; column < image.cols; ++column) ++counts[pixel[column]];
+  }
+  return counts;
+}
+
+/// Returns the highest level that more than `n` pixels reach.
+int level_reached(const Histogram& counts, std::size_t n) {
+  std::size_t above = 0;
+  for (int level = kWhite; level > 0; --level) {
+    above += counts[static_cast<std::size_t>(level)];
+    if (above > n) return level;
+  }
+  return 0;
+}
+
+/// Two lamps alike cannot be told apart, but their places are known.
+bool is_measured(const LampPair& pair) {
+  return pair.status == LampStatus::kOk || pair.status == LampStatus::kAmbiguous;
+}
+
+/// Returns whether there are two patches of light, measured or not.
+bool is_located(const LampPair& pair) {
+  return pair.lamps[0].diameter_px > 0.0 && pair.lamps[1].diameter_px > 0.0;
+}
+
+/// Returns whether these are only the most evident of more than two lights.
+bool is_choice(const LampPair& pair) {
+  return pair.lamps[0].status == LampStatus::kAmbiguous;
+}
+
+std::string widths_of(const LampPair& pair) {
+  return fmt::format("{:.1f} and {:.1f} px wide", pair.lamps[0].diameter_px,
+                     pair.lamps[1].diameter_px);
+}
+
+Eigen::Vector2d middle_of(const LampPair& pair) {
+  return 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px);
+}
+
+/// Returns how wide a lamp's edge is, from a fifth to four fifths of its contrast: as many pixels
+/// lie between these levels as the edge is long times its width. Unlike the blur of a fitted rim it
+/// grows on however far the lens is out of focus.
+double edge_width_px(const Frame& frame, const LampPair& pair, std::size_t index) {
+  constexpr double kLow = 0.2, kHigh = 0.8;
+  const LampCenter& lamp = pair.lamps[index];
+  const double between_px = (pair.lamps[1].uv_px - pair.lamps[0].uv_px).norm();
+  const double reach_px = std::min(2.0 * lamp.diameter_px, 0.5 * between_px);
+  const double corner_u = frame.region_px.x, corner_v = frame.region_px.y;
+  const Eigen::Vector2d center(lamp.uv_px.x() - corner_u, lamp.uv_px.y() - corner_v);
+  const cv::Rect window =
+      window_round(center, reach_px) & cv::Rect(cv::Point(), frame.image.size());
+  const double low = lamp.look.background + kLow * lamp.look.contrast();
+  const double high = lamp.look.background + kHigh * lamp.look.contrast();
+  const cv::Mat around = frame.image(window);
+  const int on_edge = cv::countNonZero((around > low) & (around < high));
+  return on_edge / (kPi * lamp.diameter_px);
+}
+
+}  // namespace
+
+bool ExposureReading::too_dark() const {
+  return peak_level < kLeastPeak;
+}
+
+bool ExposureReading::too_bright() const {
+  return saturated_share > kMostSaturated;
+}
+
+std::string ExposureReading::text() const {
+  const auto filled = static_cast<std::size_t>(kBarWidth * peak_level / kWhite);
+  return fmt::format("[{}{}] peak {} of {}, {:.1f} % of the lit pixels saturated: {}",
+                     std::string(filled, '='), std::string(kBarWidth - filled, ' '), peak_level,
+                     kWhite, 100.0 * saturated_share,
+                     too_bright() ? "too bright, expose less"
+                     : too_dark() ? "too dark, expose more"
+                                  : "good");
+}
+
+ExposureReading read_exposure(const cv::Mat& image) {
+  const Histogram counts = histogram_of(image);
+  ExposureReading reading;
+  reading.peak_level = level_reached(counts, kHotPixels);
+  const int median = level_reached(counts, image.total() / 2);
+  std::size_t lit = 0;
+  for (int level = (median + reading.peak_level) / 2 + 1; level <= kWhite; ++level)
+    lit += counts[static_cast<std::size_t>(level)];
+  if (lit > 0)
+    reading.saturated_share = static_cast<double>(counts[kWhite]) / static_cast<double>(lit);
+  return reading;
+}
+
+std::optional<SightedLamps> sight_lamps(const Frame& frame,
+                                        const std::vector<Eigen::Vector2d>& fixed_px,
+                                        const std::optional<LampPixels>& near_px) {
+  PairExpectation any;
+  any.fixed_px = fixed_px;
+  any.predicted_px = near_px;
+  const LampPair pair = LampTracker(CenterMethod::kFast).locate(frame, any);
+  if (!is_located(pair)) return std::nullopt;
+  return SightedLamps{pair.lamps, {edge_width_px(frame, pair, 0), edge_width_px(frame, pair, 1)}};
+}
+
+LampFinder::LampFinder(LampScene scene, CenterMethod method, FrameSource& camera,
+                       int follow_region_px)
+    : scene_(std::move(scene)),
+      method_(method),
+      camera_(camera),
+      follow_region_px_(follow_region_px) {
+  if (scene_.vision) scene_.fixed_px = places_px(scene_.vision->reference_lamps);
+}
+
+PairExpectation LampFinder::expectation() const {
+  return LampPrediction(scene_, std::nullopt).of(std::nullopt);
+}
+
+Frame LampFinder::next_frame(const cv::Rect& region_px) {
+  camera_.set_region(region_px);
+  FrameResult result = camera_.next_frame();
+  if (result.status != FrameStatus::kOk) throw WorkError("the camera delivers no frame");
+  exposure_ = read_exposure(result.frame.image);
+  return std::move(result.frame);
+}
+
+Frame LampFinder::whole_frame() {
+  return next_frame({{}, camera_.sensor_size_px()});
+}
+
+std::string LampFinder::find() {
+  const LampPair pair = LampTracker(method_).locate(whole_frame(), expectation());
+  if (!is_measured(pair))
+    throw WorkError({fmt::format("no two lamps in the whole frame: {}", name(pair.status)),
+                     "save the frame and look at it (command save)"});
+  middle_px_ = middle_of(pair);
+  const auto& [first, second] = pair.lamps;
+  std::string text =
+      fmt::format("{} at ({}) and ({}) px, {}",
+                  is_choice(pair) ? "more than two lights, the most evident" : "lamps",
+                  fixed(first.uv_px, 1, ", "), fixed(second.uv_px, 1, ", "), widths_of(pair));
+  if (!scene_.vision) return text;
+  const Workplane& plane = scene_.vision->workplane;
+  const auto first_B = plane.plane_from_pixel(first.uv_px);
+  const auto second_B = plane.plane_from_pixel(second.uv_px);
+  if (!first_B || !second_B) return text;
+  return text + fmt::format("\non the plane at {} and {}, uncompensated", place_mm(*first_B),
+                            place_mm(*second_B));
+}
+
+std::optional<SightedLamps> LampFinder::sight(const cv::Rect& region_px) {
+  auto sight = sight_lamps(next_frame(region_px), scene_.fixed_px);
+  middle_px_.reset();
+  if (sight) middle_px_ = 0.5 * (sight->lamps[0].uv_px + sight->lamps[1].uv_px);
+  return sight;
+}
+
+std::string LampFinder::focus() {
+  const cv::Size sensor_px = camera_.sensor_size_px();
+  std::optional<SightedLamps> seen;
+  if (middle_px_) seen = sight(follow_region(sensor_px, follow_region_px_, *middle_px_));
+  if (!seen) seen = sight({{}, sensor_px});
+  if (!seen)
+    throw WorkError(Refusal{"no two lamps in the whole frame", "turn the lens, or expose more"});
+  const auto [first_px, second_px] = seen->edges_px;
+  const double mean_px = seen->mean_edge_px();
+  best_px_ = std::min(mean_px, best_px_.value_or(mean_px));
+  return fmt::format(
+      "edges {:.2f} px wide ({:.2f}, {:.2f}), best {:.2f}; peak {}, {:.1f} % saturated", mean_px,
+      first_px, second_px, *best_px_, exposure_->peak_level, 100.0 * exposure_->saturated_share);
+}
+
+}  // namespace planar

@@ -1,0 +1,453 @@
+#include "planar_servo/work/run/cell_check.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/loop/health/arm_check.h"
+#include "planar_servo/loop/servo/motion_guard.h"
+#include "planar_servo/loop/vision/see_tool.h"
+
+namespace planar {
+namespace {
+
+/// Deviations of the middle of the lamps between two poses by links, reducers and lens: with an
+/// error map, and without.
+constexpr double kCorrectedSigma_m = 0.1e-3;
+constexpr double kUncorrectedSigma_m = 2e-3;
+/// One pulse of a motor, and what heat and bearings add, at the end of the arm.
+constexpr double kRepeatability_m = 3e-6;
+/// Twice the logarithm of odds of 10 to 1.
+constexpr double kTenToOne = 4.6;
+/// So far beside a place, radians, the arm meets other teeth, and dirt before the lens is the same.
+constexpr double kNearby = 1.0 * kDegree;
+/// The play of a gear fit for positioning, which shows where the arm arrives from either side.
+constexpr double kPlay = 0.01 * kDegree;
+
+HealthFinding without_size(Cause cause, const std::string& why) {
+  return {cause, std::numeric_limits<double>::quiet_NaN(), "",
+          std::numeric_limits<double>::infinity(), fmt::format("{}: {}", words(cause), why)};
+}
+
+std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double filed_m) {
+  const double seen_m = (lamps_B[1] - lamps_B[0]).norm();
+  if (std::abs(seen_m / filed_m - 1.0) <= kSeparationShare) return std::nullopt;
+  return HealthFinding{
+      Cause::kSeparation, mm(seen_m), "mm", std::abs(seen_m - filed_m),
+      fmt::format("{}: the lamps are seen {:.2f} mm apart, the file says {:.2f} mm",
+                  words(Cause::kSeparation), mm(seen_m), mm(filed_m))};
+}
+
+/// Returns whether light or focus may look like this cause, which displaces the end point so far:
+/// no centre is measured farther from its lamp's middle than a quarter of the diameter. Play shows
+/// under constant light, and a barred way has nothing to do with light.
+bool may_be_light(const HealthFinding& finding, double diameter_m) {
+  constexpr double kMostOfDiameter = 0.25;
+  switch (finding.cause) {
+    case Cause::kPlay1:
+    case Cause::kPlay2:
+    case Cause::kPlay3:
+    case Cause::kNotVisited:
+      return false;
+    case Cause::kNotSeen:
+      return true;
+    default:
+      return finding.cost_m < kMostOfDiameter * diameter_m;
+  }
+}
+
+double repeatability_m(const CellSettings& cell) {
+  if (cell.servo.approach == Approach::kOneSide) return kRepeatability_m;
+  return kPlay * cell.arm.geometry.link_lengths_m.sum();
+}
+
+/// Returns whether a single stop that missed, by no more than the default limits allow, may explain
+/// what was found.
+bool may_be_stray(const std::vector<HealthFinding>& found) {
+  return !found.empty() && found.front().cost_m > 0.0 &&
+         found.front().cost_m <= GuardLimits{}.distance_m;
+}
+
+}  // namespace
+
+CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
+                     LampTipSensor& sensor, Clock& clock, const JointPlanner& as_found,
+                     CameraWait wait)
+    : cell_(cell),
+      vision_(vision),
+      robot_(robot),
+      sensor_(sensor),
+      clock_(clock),
+      as_found_(as_found),
+      wait_(std::move(wait)),
+      planner_(joint_planner(cell)),
+      ways_(cell, [&sensor](const TipPose& tip) { return sensor.lamps_at(tip).has_value(); }),
+      model_(model_of_cell(planner_, cell.arm.home, vision)) {}
+
+void CellCheck::wait_for_camera(const std::string& reason) const {
+  if (!wait_ || !wait_(reason)) throw WorkError(reason);
+}
+
+std::optional<std::string> CellCheck::go_to(const Joints& theta) {
+  while (const auto obstacle =
+             arrive(robot_, planner_, cell_.servo, theta, [this] { return sensor_.fault(); })) {
+    if (obstacle->refused) return obstacle->reason;
+    wait_for_camera(obstacle->reason);
+  }
+  clock_.sleep_for_s(cell_.servo.settle_s);
+  return std::nullopt;
+}
+
+TipMeasurement CellCheck::measure(const TipPose& expected, int frames) {
+  TipMeasurement seen = sensor_.measure(expected, frames);
+  while (seen.status == TipStatus::kNoPicture) {
+    wait_for_camera("the camera gave no picture: " + seen.word);
+    seen = sensor_.measure(expected, frames);
+  }
+  looks_.push_back(sensor_.last_looks());
+  return seen;
+}
+
+std::optional<LampPlaces> CellCheck::look() {
+  const TipPose expected = planner_.arm().forward(robot_.commanded_joints());
+  const TipMeasurement seen = measure(expected, 1);
+  if (!seen.ok()) return sensor_.look_around();
+  return LampPlaces{seen.lamps_B[0] - seen.correction, seen.lamps_B[1] - seen.correction};
+}
+
+bool CellCheck::allows(const HealthPlace& place) const {
+  return !approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), place.theta);
+}
+
+std::vector<HealthFinding> CellCheck::light_first(const HealthRecord& record,
+                                                  std::vector<HealthFinding> found) const {
+  if (!record.looks) return found;
+  const auto explained =
+      std::stable_partition(found.begin(), found.end(), [&](const HealthFinding& finding) {
+        return !may_be_light(finding, vision_.lamps.diameters_m[0]);
+      });
+  double cost_m = 0.0;
+  for (auto finding = explained; finding != found.end(); ++finding)
+    cost_m = std::max(cost_m, finding->cost_m);
+  const auto light = find_light_change(*record.looks, looks_, cost_m);
+  if (!light) return found;
+  found.erase(explained, found.end());
+  found.insert(found.begin(), *light);
+  return found;
+}
+
+std::vector<HealthFinding> CellCheck::first_moves(const std::optional<HealthRecord>& record) {
+  looks_.clear();
+  const std::optional<Joints> first = ways_.start(robot_.commanded_joints());
+  if (!first)
+    return {
+        without_size(Cause::kNotVisited, "it stands outside its workspace or the camera's view")};
+  std::vector<HealthFinding> found = faults_in_first_moves(*first);
+  if (may_be_stray(found)) found = faults_in_first_moves(*first);
+  // Harmless changes are left to the revisits, which report them with their findings.
+  return record && !found.empty() ? light_first(*record, std::move(found)) : found;
+}
+
+std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
+  looks_.clear();
+  return light_first(record, changes_since(record));
+}
+
+double CellCheck::expected_s(std::size_t places) const {
+  double way_s = 0.0, margin_s = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MotorDrive& drive = cell_.transmission.drives[i];
+    way_s = std::max(
+        way_s, MotorMove(0.0, CheckWays::first_moves()[static_cast<int>(i)], drive).duration_s());
+    if (cell_.servo.approach == Approach::kOneSide)
+      margin_s =
+          std::max(margin_s, MotorMove(0.0, cell_.servo.approach_margin_rad, drive).duration_s());
+  }
+  const double look_s = cell_.servo.frames_per_measurement / cell_.camera.frame_rate_hz;
+  return static_cast<double>(places) * (way_s + margin_s + cell_.servo.settle_s + look_s);
+}
+
+std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
+  std::vector<ArmSight> sights;
+  for (int motor = -1; motor < 3; ++motor) {
+    if (motor >= 0) theta = ways_.with_motor_turned(theta, motor);
+    if (const auto reason = go_to(theta)) return {without_size(Cause::kNotVisited, *reason)};
+    const auto lamps_B = look();
+    if (!lamps_B)
+      return {without_size(Cause::kNotSeen, "the whole frame does not show two of them")};
+    if (auto found = wrong_separation(*lamps_B, vision_.lamps.separation_m)) return {*found};
+    sights.push_back({planner_.transmission().motors_from_joints(robot_.commanded_joints()),
+                      *lamps_B, vision_.error_map ? kCorrectedSigma_m : kUncorrectedSigma_m});
+  }
+  return find_arm_faults(model_, sights);
+}
+
+std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) {
+  if (const auto reason = go_to(place.theta))
+    return without_size(Cause::kNotVisited, place.id + ": " + *reason);
+  const TipMeasurement seen =
+      measure(tip_from_places(place.lamps_B, vision_.tool), cell_.servo.frames_per_measurement);
+  if (!seen.ok()) return without_size(Cause::kNotSeen, place.id + ": " + seen.word);
+  const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
+  return Revisit{
+      planner_.transmission().motors_from_joints(place.theta),
+      place.lamps_B,
+      seen.lamps_B,
+      std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_)),
+      as_found_.scatter_m(),
+      as_found_.wander_m()};
+}
+
+std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) {
+  const VisitPlan plan = ways_.visits(robot_.commanded_joints(), record.places);
+  if (!plan.barred.empty()) {
+    const std::string barred = barred_text(plan.barred, record.places.size());
+    if (plan.order.empty()) return {without_size(Cause::kNotVisited, barred)};
+    spdlog::warn(barred);
+  }
+  std::vector<Revisit> revisits;
+  std::vector<HealthPlace> visited_places;
+  for (const std::size_t next : plan.order) {
+    const auto visited = visit(record.places[next]);
+    if (const auto* finding = std::get_if<HealthFinding>(&visited)) return {*finding};
+    revisits.push_back(std::get<Revisit>(visited));
+    visited_places.push_back(record.places[next]);
+  }
+  if (revisits.empty()) return {};
+  constexpr int kRounds = 2;  // two stops in a row stray once in some thousand times
+  for (int round = 0; round < kRounds && has_changed(model_, revisits); ++round) {
+    if (auto finding = visit_again(visited_places, revisits)) return {*finding};
+    if (auto found = judge_odd_place(visited_places, revisits); !found.empty()) return found;
+  }
+  // Play that has grown displaces the arm on either side, as a lost zero would.
+  std::vector<HealthFinding> play = play_now(visited_places, revisits);
+  return play.empty() ? find_changes(model_, revisits) : play;
+}
+
+std::optional<HealthFinding> CellCheck::visit_again(const std::vector<HealthPlace>& places,
+                                                    std::vector<Revisit>& revisits) {
+  std::vector<std::size_t> again = farthest_off_first(revisits);
+  again.resize(std::min<std::size_t>(2, again.size()));
+  // If the arm stands at one of them, it visits the other first.
+  const auto way = [&](std::size_t index) {
+    return (places[index].theta - robot_.commanded_joints()).norm();
+  };
+  if (way(again.front()) < way(again.back())) std::swap(again.front(), again.back());
+  for (const std::size_t index : again) {
+    if (!allows(places[index])) continue;
+    const auto visited = visit(places[index]);
+    if (const auto* finding = std::get_if<HealthFinding>(&visited)) return *finding;
+    revisits[index] = std::get<Revisit>(visited);
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> CellCheck::seen_beside(const Joints& theta) {
+  if (approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), theta) || go_to(theta))
+    return std::nullopt;
+  const TipPose expected = as_found_.reached(robot_.commanded_joints());
+  const TipMeasurement seen = measure(expected, cell_.servo.frames_per_measurement);
+  if (!seen.ok()) return std::nullopt;
+  return seen.tip.p - expected.p;
+}
+
+std::vector<HealthFinding> CellCheck::judge_odd_place(const std::vector<HealthPlace>& places,
+                                                      std::vector<Revisit>& revisits) {
+  const auto odd = stray_place(model_, revisits);
+  if (!odd) return {};
+  const Revisit at = revisits[*odd];
+  const HealthPlace& place = places[*odd];
+  const Eigen::Vector2d moved =
+      tip_from_places(at.now_B, vision_.tool).p - tip_from_places(at.then_B, vision_.tool).p;
+  const double odds = odds_of_stray(place, places, moved);
+  const std::string what = fmt::format(
+      "only place '{}' is not where it was, by {:.3f} mm: ", place.id, mm(moved.norm()));
+  if (odds < -kTenToOne) {
+    std::vector<HealthFinding> found = find_changes(model_, revisits);
+    if (found.front().cause == Cause::kSeveral) found.clear();
+    found.push_back(
+        {Cause::kView, mm(moved.norm()), "mm", moved.norm(), what + words(Cause::kView)});
+    return found;
+  }
+  revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*odd));
+  spdlog::warn("{}the arm strayed there when it was recorded{}; the place is left out of the check",
+               what, odds > kTenToOne ? "" : ", or the view has changed there");
+  return {};
+}
+
+/// Looks at the place and at two beside it, and at the others. The arm as it was found and the
+/// compensated view agree where both are as at the calibration: an arm that strayed when the place
+/// was recorded makes them agree there now, a view that has changed there no longer.
+double CellCheck::odds_of_stray(const HealthPlace& place, const std::vector<HealthPlace>& places,
+                                const Eigen::Vector2d& moved) {
+  if (!as_found_.found()) return 0.0;
+  std::vector<Eigen::Vector2d> others;
+  for (const HealthPlace& other : places)
+    if (other.id != place.id)
+      if (const auto beside = seen_beside(other.theta)) others.push_back(*beside);
+  if (others.size() < 2) return 0.0;
+  double squares = 0.0;
+  for (const Eigen::Vector2d& beside : others) squares += beside.squaredNorm();
+  const double variance = squares / (2.0 * static_cast<double>(others.size()));
+  double odds = 0.0;
+  for (const double nearby : {0.0, kNearby, -kNearby})
+    if (const auto now = seen_beside(place.theta + Joints(nearby, nearby, nearby)))
+      odds += ((*now - moved).squaredNorm() - now->squaredNorm()) / variance;
+  return odds;
+}
+
+std::vector<HealthFinding> CellCheck::play_now(const std::vector<HealthPlace>& places,
+                                               const std::vector<Revisit>& revisits) {
+  std::vector<HealthFinding> here = play_here(revisits);
+  if (here.empty() || places.size() < 2) return here;
+  const auto way = [&](const HealthPlace& place) {
+    return allows(place) ? (place.theta - robot_.commanded_joints()).norm() : -1.0;
+  };
+  const auto elsewhere =
+      std::max_element(places.begin(), places.end(),
+                       [&](const HealthPlace& a, const HealthPlace& b) { return way(a) < way(b); });
+  if (way(*elsewhere) < 0.0) return {};
+  if (const auto visited = visit(*elsewhere); std::holds_alternative<HealthFinding>(visited))
+    return {std::get<HealthFinding>(visited)};
+  return play_here(revisits);
+}
+
+std::vector<HealthFinding> CellCheck::play_here(const std::vector<Revisit>& revisits) {
+  const Transmission& transmission = planner_.transmission();
+  const Joints here = robot_.commanded_joints();
+  const Eigen::Vector3d present = transmission.motors_from_joints(here);
+  const Revisit& from_below =
+      *std::min_element(revisits.begin(), revisits.end(), [&](const Revisit& a, const Revisit& b) {
+        return (a.motors - present).norm() < (b.motors - present).norm();
+      });
+  const Joints theta = transmission.joints_from_motors(from_below.motors);
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(cell_.servo.approach_margin_rad);
+  const Joints above = transmission.joints_from_motors(from_below.motors + margin);
+  if (planner_.refusal(above) || planner_.way_refusal(here, above) ||
+      planner_.way_refusal(above, theta))
+    return {};
+  for (const Joints& stop : {above, theta})
+    while (const auto objection = robot_.move_to(stop, [this] { return sensor_.fault(); }))
+      wait_for_camera(*objection);
+  clock_.sleep_for_s(cell_.servo.settle_s);
+  const TipMeasurement seen =
+      measure(planner_.arm().forward(theta), cell_.servo.frames_per_measurement);
+  if (!seen.ok()) return {without_size(Cause::kNotSeen, seen.word)};
+  return find_play(model_, {from_below.motors, from_below.now_B, seen.lamps_B, from_below.sigma_m},
+                   0.5 * cell_.servo.approach_margin_rad);
+}
+
+std::optional<HealthRecord> read_cell_health(const CellSettings& cell) {
+  if (!cell.health || !std::filesystem::exists(*cell.health)) return std::nullopt;
+  return read_health(*cell.health);
+}
+
+GuardLimits with_health(GuardLimits limits, const HealthRecord& record) {
+  constexpr double kAndHalfAgain = 1.5;
+  limits.distance_m = kAndHalfAgain * record.distance_m;
+  limits.turn = kAndHalfAgain * record.turn;
+  limits.separation_m = record.separation_m;
+  limits.separation_tolerance_m = kAndHalfAgain * record.separation_spread_m;
+  return limits;
+}
+
+namespace {
+
+constexpr std::size_t kFirstStops = 4;  // the start, and one for each motor
+
+/// With the last place once more, from the other side.
+std::size_t stops_of(const HealthRecord& record) {
+  return record.places.size() + 1;
+}
+
+}  // namespace
+
+std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record) {
+  const std::string visits =
+      record ? fmt::format(", then the arm visits {} places of the calibration once more",
+                           record->places.size())
+             : "";
+  spdlog::info(
+      fmt::format("checking the cell: each motor turns a little{}; {}", visits,
+                  about_time(check.expected_s(kFirstStops + (record ? stops_of(*record) : 0)))));
+  std::vector<HealthFinding> found = check.first_moves(record);
+  if (!found.empty()) return found;
+  return record ? check.revisit(*record) : std::vector<HealthFinding>();
+}
+
+std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record) {
+  spdlog::info(
+      fmt::format("checking the cell again: the arm visits {} places of the calibration; {}",
+                  record.places.size(), about_time(check.expected_s(stops_of(record)))));
+  return check.revisit(record);
+}
+
+CheckedFiles read_checked_files(const CellSettings& cell) {
+  const bool with_map = std::filesystem::exists(cell.error_map);
+  CheckedFiles files{read_vision(cell, with_map), {}};
+  require_belonging(stale_files(cell, with_map));
+  auto health = read_cell_health(cell);
+  if (!health)
+    throw InputError({"names no health file that exists, so there is nothing to compare with",
+                      "make one with planar-pair-tracker --health-out and name it under `health`",
+                      cell.file});
+  files.health = std::move(*health);
+  return files;
+}
+
+std::vector<HealthFinding> check_devices(const CellSettings& cell, const CheckedFiles& files,
+                                         CellDevices& devices, const MayHome& may_home,
+                                         const std::function<bool()>& stop) {
+  PlanarRobot robot(PlanarArm(cell.arm.geometry), Transmission(cell.transmission), devices.drives(),
+                    devices.clock());
+  robot.stop_when(stop);
+  robot.energize();
+  home_where_needed(robot, may_home);
+  LampTipSensor sensor(files.vision, cell.lamps.method, devices.camera(),
+                       cell.camera.follow_region_px);
+  CellCheck check(cell, files.vision, robot, sensor, devices.clock(), servo_planner(cell),
+                  [&](const std::string& reason) {
+                    return wait_for_camera(devices.camera(), robot, devices.clock(), "the check",
+                                           reason, devices.clock().now_s() + kCameraPatience_s);
+                  });
+  return check_cell(check, files.health);
+}
+
+std::string findings_text(const std::vector<HealthFinding>& findings) {
+  std::string text;
+  for (const HealthFinding& finding : findings)
+    text += fmt::format("{}; what still holds: {}; what to do: {}\n", finding.what,
+                        usable(finding.cause), redo(finding.cause));
+  return text;
+}
+
+nlohmann::ordered_json findings_json(const std::vector<HealthFinding>& findings) {
+  auto list = nlohmann::ordered_json::array();
+  for (const HealthFinding& finding : findings) {
+    nlohmann::ordered_json entry{{"cause", words(finding.cause)}};
+    if (std::isfinite(finding.size)) {
+      entry["size"] = finding.size;
+      entry["unit"] = finding.unit;
+    } else {
+      entry["size"] = nullptr;
+      entry["unit"] = nullptr;
+    }
+    entry["usable"] = usable(finding.cause);
+    entry["redo"] = redo(finding.cause);
+    list.push_back(std::move(entry));
+  }
+  return {{"healthy", findings.empty()}, {"findings", list}};
+}
+
+}  // namespace planar

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/vision/see_tool.h"
+
+namespace planar {
+
+/// Holds the joints and pulses that a target's first, open-loop move would command. The plan holds
+/// a refusal in words where the arm would not move.
+struct DryRunRow {
+  std::string id;
+  JointPlan plan;
+  Pulses pulses{0, 0, 0};
+};
+
+/// Plans the first move to one target after the other. It needs no device.
+class DryRun {
+ public:
+  /// Starts at these joints.
+  DryRun(const CellSettings& cell, const Joints& start);
+  /// Plans the move to a target from where the arm stands after the moves planned before.
+  DryRunRow first_move(const TargetRow& target);
+
+ private:
+  double tool_orientation_;
+  JointPlanner planner_;
+  ServoSettings servo_;
+  Joints near_;
+};
+
+/// Returns the pose of a target. One that names no direction takes `tool_orientation` (radians).
+TipPose target_pose(const TargetRow& target, double tool_orientation);
+
+/// Refuses the targets of these rows at which the error map, if there is one, is not valid.
+void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRow>& targets,
+                        double tool_orientation, const VisionCalibration& vision);
+
+/// Plans the first move to every target in turn.
+std::vector<DryRunRow> first_moves_to(const CellSettings& cell, const Joints& start,
+                                      const std::vector<TargetRow>& targets);
+
+std::size_t count_refused(const std::vector<DryRunRow>& rows);
+
+/// Returns a line for each target: its joints and pulses, or why it is refused.
+std::string dry_run_text(const std::vector<DryRunRow>& rows);
+
+/// Returns a line for each target that is refused.
+std::string refusals_text(const std::vector<DryRunRow>& rows);
+
+/// Returns one target's `target`, `status` ("planned" or "refused"), `reason`, and what the first
+/// move commands: `theta_deg` and `pulses`.
+nlohmann::ordered_json first_move_answer(const DryRunRow& row);
+
+/// Returns every target's answer under the key `moves`.
+nlohmann::json dry_run_json(const std::vector<DryRunRow>& rows);
+
+/// Returns what can hardly be meant in a table of targets: places written in metres, which are all
+/// within a millimetre of the base's axes, and directions in radians.
+std::vector<Refusal> target_doubts(const std::vector<TargetRow>& targets,
+                                   const Workspace& workspace);
+
+/// Logs these doubts. Throws InputError for places in metres if none of them lies in the workspace.
+/// `file` names the table.
+void question_targets(const std::vector<TargetRow>& targets, const Workspace& workspace,
+                      const std::filesystem::path& file);
+
+}  // namespace planar

@@ -1,0 +1,267 @@
+#include "planar_servo/work/run/ready_cell.h"
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <exception>
+#include <limits>
+#include <stdexcept>
+#include <variant>
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/map_file.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/loop/servo/motion_guard.h"
+#include "planar_servo/loop/vision/found_landings.h"
+#include "planar_servo/loop/vision/see_tool.h"
+#include "planar_servo/work/run/cell_check.h"
+
+namespace planar {
+namespace {
+
+constexpr double kKeepEvery_s = 600.0;
+constexpr char kLearner[] = "planar-servo";
+/// Places across the workspace whose postures are tried as centres of Gaussians, closer together
+/// than these are wide.
+constexpr double kPlacesAcross = 24.0;
+
+std::vector<Joints> reachable_postures(const CellSettings& cell, const JointPlanner& planner) {
+  std::vector<Joints> postures;
+  const double reach_m = cell.workspace.radius_max_m;
+  const double step_m = 2.0 * reach_m / kPlacesAcross;
+  for (double x = -reach_m; x <= reach_m; x += step_m)
+    for (double y = -reach_m; y <= reach_m; y += step_m) {
+      const JointPlan plan = planner.plan({{x, y}, cell.tool_orientation}, cell.arm.home);
+      if (!plan.refusal) postures.push_back(plan.theta);
+    }
+  return postures;
+}
+
+/// Returns the arm in the file with the sense, coupling and gears of the found arm.
+LearnedArm read_for(const FoundArm& found, const std::filesystem::path& file) {
+  LearnedArm known = read_learned_arm(file);
+  ArmForm& form = known.arm.form;
+  form.sense = found.form.sense;
+  form.joints_per_motor = found.form.joints_per_motor;
+  form.gear_ratios = found.form.gear_ratios;
+  return known;
+}
+
+constexpr double kDrivePatience_s = 60.0;
+/// A camera that drifts by 0.1 mm an hour is noticed in this time.
+constexpr double kExamineEvery_s = 600.0;
+/// A shorter run costs less than another look at it.
+constexpr double kWorthALook_s = 60.0;
+/// A guard's distance is half as long again as any that was seen at the calibration.
+constexpr double kDeviationsInDistance = 3.0;
+constexpr char kChecking[] = "looking at the cell";
+constexpr char kResume[] = "; add --resume to continue a run";
+
+GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& vision,
+                      const std::optional<HealthRecord>& health) {
+  if (!request.guards_looks) {
+    GuardLimits widest;
+    widest.noise_m = std::numeric_limits<double>::infinity();
+    return widest;
+  }
+  const GuardLimits limits =
+      guard_limits(vision, request.cell.workspace, request.cell.tool_orientation);
+  return health ? with_health(limits, *health) : limits;
+}
+
+std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
+                                          const VisionCalibration& vision,
+                                          const JointPlanner& planner, const GuardLimits& limits) {
+  if (!request.estimates_landings) return nullptr;
+  const LampField* field = vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
+  const auto& arm = planner.found();
+  if (field == nullptr || !arm || arm->factor.size() == 0 ||
+      arm->factor.cols() != field->factor.cols())
+    return std::make_unique<UnknownLandings>(limits.distance_m);
+  const double stray_m = limits.distance_m / kDeviationsInDistance;
+  if (!request.learns)
+    return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(), stray_m);
+  return std::make_unique<LearningLandings>(*field, *arm,
+                                            remembered_arm(request.cell, planner, request.forgets),
+                                            planner.transmission(), stray_m);
+}
+
+}  // namespace
+
+LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner, bool forgets) {
+  const FoundArm& found = planner.found().value();
+  const auto anew = [&] { return not_yet_learned(found, reachable_postures(cell, planner)); };
+  if (!cell.arm_learned || !std::filesystem::exists(*cell.arm_learned)) return anew();
+  if (forgets) {
+    spdlog::info(cell.arm_learned->string() + ": is forgotten (--forget); learning starts anew");
+    return anew();
+  }
+  if (const auto elsewhere = learned_elsewhere(*cell.arm_learned, learned_arm_origins(cell))) {
+    spdlog::warn(*elsewhere + "; learning starts anew");
+    return anew();
+  }
+  try {
+    LearnedArm known = read_for(found, *cell.arm_learned);
+    [[maybe_unused]] const ArmLearner usable(found, known);
+    return known;
+  } catch (const std::invalid_argument& error) {
+    throw InputError({error.what(), "start anew with --forget", *cell.arm_learned});
+  }
+}
+
+ArmMemory::ArmMemory(const CellSettings& cell, const LearningLandings& landings)
+    : file_(cell.arm_learned.value()), origins_(learned_arm_origins(cell)), landings_(landings) {
+  require_writable(file_, "arm_learned");
+}
+
+ArmMemory::~ArmMemory() {
+  try {
+    keep();
+  } catch (const std::exception& error) {
+    spdlog::error(fmt::format("what was learned of the arm is lost: {}", error.what()));
+  }
+}
+
+void ArmMemory::keep_if_due(double now_s) {
+  if (!kept_s_) kept_s_ = now_s;
+  if (now_s < *kept_s_ + kKeepEvery_s) return;
+  kept_s_ = now_s;
+  keep();
+}
+
+void ArmMemory::keep() {
+  const ArmLearner& learner = landings_.learner();
+  if (learner.lessons() == kept_lessons_) return;
+  write_file(file_, learned_arm_text(learner.learned(), origins_, kLearner));
+  kept_lessons_ = learner.lessons();
+}
+
+std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
+                                            bool accepted) {
+  return accept_stale(stale_files(cell, with_error_map), accepted);
+}
+
+std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
+                                      bool accepted) {
+  return accept_objection(
+      vision.map_objection,
+      "record more places and fit again, leave the map out (--no-error-map), or, if you know "
+      "better, continue with --accept-map",
+      cell.error_map, accepted);
+}
+
+ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
+    : cell_(request.cell),
+      camera_(devices.camera()),
+      clock_(devices.clock()),
+      may_home_(request.may_home),
+      check_health_(request.check_health),
+      checking_(request.checking),
+      found_(request.found),
+      vision_(read_vision(cell_, request.use_error_map)),
+      health_(read_cell_health(cell_)),
+      limits_(limits_of(request, vision_, health_)),
+      sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
+      accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
+      accepted_map_(accept_map(cell_, vision_, request.accept_map)),
+      planner_(servo_planner(cell_)),
+      robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
+             devices.clock()),
+      landings_(landings_of(request, vision_, planner_, limits_)),
+      servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock(), landings_.get()) {
+  robot_.stop_when(request.stop);
+  if (request.checked_s_ago) examined_s_ = clock_.now_s() - *request.checked_s_ago;
+  const auto* learning = dynamic_cast<const LearningLandings*>(landings_.get());
+  if (learning != nullptr && cell_.arm_learned) memory_.emplace(cell_, *learning);
+}
+
+void ReadyCell::switch_on() {
+  robot_.energize();
+  if (examined_s_) begun_at_ = robot_.known_pulses();
+  if (const auto theta = robot_.known_joints()) sensor_.aim(robot_.arm().forward(*theta));
+}
+
+std::optional<std::string> ReadyCell::examine_if_due() {
+  if (!robot_.known_joints()) home_where_needed(robot_, may_home_, kResume);
+  if (!examined_s_) {
+    if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
+    begun_at_ = robot_.known_pulses();
+    return std::string();
+  }
+  if (!was_examined_s_ago(kExamineEvery_s)) return std::nullopt;
+  return examine();
+}
+
+bool ReadyCell::has_moved_on() const {
+  return begun_at_ && robot_.known_pulses() != *begun_at_;
+}
+
+std::optional<std::string> ReadyCell::examine_at_end() {
+  if (!was_examined_s_ago(kWorthALook_s)) return std::nullopt;
+  return examine();
+}
+
+std::string ReadyCell::examine() {
+  const bool first = !examined_s_;
+  examined_s_ = clock_.now_s();
+  if (!check_health_) {
+    spdlog::warn("the cell's health is not checked (--no-health)");
+    return {};
+  }
+  if (!health_)
+    spdlog::warn(cell_.file.string() +
+                 ": names no health file that exists, so nobody can say what has moved since the "
+                 "calibration; planar-pair-tracker --health-out makes one");
+  int waits_left = kMaxCameraFailures;
+  CellCheck check(cell_, vision_, robot_, sensor_, clock_, planner_,
+                  [&](const std::string& reason) {
+                    return waits_left-- > 0 &&
+                           wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
+                  });
+  std::vector<Eigen::Vector2d> places;
+  if (health_)
+    for (const HealthPlace& place : health_->places)
+      places.push_back(planner_.arm().forward(place.theta).p);
+  const auto tell = [this](const auto& what) {
+    if (checking_) checking_(what);
+  };
+  tell(std::optional(places));
+  const std::shared_ptr<void> told(nullptr, [&](void*) { tell(std::nullopt); });
+  int recoveries_left = kMaxDriveRecoveries;
+  const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
+    return first ? check_cell(check, health_) : check_again(check, *health_);
+  });
+  if (found_) found_(found);
+  if (found.empty()) {
+    if (health_) spdlog::info("the cell is as it was at its calibration");
+    return {};
+  }
+  std::string text = findings_text(found);
+  text.pop_back();  // its last line end
+  for (const HealthFinding& finding : found)
+    if (finding.cost_m > kTolerable_m) return "the cell is not well: " + text;
+  spdlog::warn(text);
+  return {};
+}
+
+void ReadyCell::keep_lessons_if_due() {
+  if (memory_) memory_->keep_if_due(clock_.now_s());
+}
+
+bool ReadyCell::was_examined_s_ago(double seconds) const {
+  return check_health_ && health_ && examined_s_ && clock_.now_s() > *examined_s_ + seconds;
+}
+
+void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
+  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
+  robot_.recover(kDrivePatience_s);
+  home_where_needed(robot_, may_home_, kResume);
+  spdlog::info(fmt::format("{}: the drives are ready again; resuming", id));
+}
+
+bool ReadyCell::wait_for_camera(const std::string& id, const std::string& reason,
+                                double deadline_s) {
+  return planar::wait_for_camera(camera_, robot_, clock_, id, reason, deadline_s);
+}
+
+}  // namespace planar

@@ -1,0 +1,190 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/hardware/robot/homing.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
+#include "planar_servo/loop/health/cause.h"
+#include "planar_servo/loop/health/health_record.h"
+#include "planar_servo/loop/servo/position_servo.h"
+#include "planar_servo/loop/vision/found_landings.h"
+#include "planar_servo/loop/vision/lamp_tip_sensor.h"
+#include "planar_servo/machine/device_kinds.h"
+
+namespace planar {
+
+/// Returns what is known so far of a planner's arm, from the cell's arm_learned file unless there
+/// is none, it is to be forgotten, or it belongs to another arm or map, which is logged. Throws
+/// InputError for a file with faults.
+LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner, bool forgets);
+
+/// Keeps what a run learns of its arm in the cell's arm_learned file, where it names one: every ten
+/// minutes and at the end.
+class ArmMemory {
+ public:
+  /// Takes the landings, which must outlive it. The file is made from what the cell names now.
+  ArmMemory(const CellSettings& cell, const LearningLandings& landings);
+  /// Keeps the last lessons. A file that cannot be written is only logged.
+  ~ArmMemory();
+  ArmMemory(const ArmMemory&) = delete;
+  ArmMemory& operator=(const ArmMemory&) = delete;
+
+  /// Throws WorkError when the file cannot be written.
+  void keep_if_due(double now_s);
+
+ private:
+  void keep();
+
+  std::filesystem::path file_;
+  std::vector<Origin> origins_;
+  const LearningLandings& landings_;
+  int kept_lessons_{0};
+  std::optional<double> kept_s_;
+};
+
+/// Says how a cell closes its loop, and where the run's files go.
+struct ServoRequest {
+  CellSettings cell;
+  CenterMethod center{CenterMethod::kAuto};  ///< the way in which lamps' centres are measured
+  bool use_error_map{true};
+  std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
+  bool resume{false};         ///< continues the run that the folder holds
+  bool accept_stale{false};   ///< moves even with files that do not belong together
+  bool accept_map{false};     ///< moves even by an error map whose fit speaks against it
+  bool check_health{true};    ///< checks before the first target whether the cell is as it was
+  /// How long ago the cell was found well by a check that counts as the first one, seconds.
+  std::optional<double> checked_s_ago{};
+  bool keep_going{false};  ///< tries the next target even when the cell itself is in doubt
+  /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
+  MayHome may_home{};
+  std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
+  /// Judges the first look and the end at every target of a cell without a truth. May be empty.
+  std::shared_ptr<Judge> judge{};
+  /// Holds the arm where a look is uncertain or not what the calibration promises. Without it only
+  /// the default GuardLimits hold the arm, whatever the noise.
+  bool guards_looks{true};
+  /// Positions by all looks at a target and what is known of arm and vision; else the whole error
+  /// of the last look is corrected.
+  bool estimates_landings{true};
+  /// Learns the arm from looks, and keeps what it learns where the cell names an arm_learned file.
+  bool learns{false};
+  bool forgets{false};  ///< ignores what that file holds at first
+  /// Is told the places (base frame) of each check of the cell that begins, and nothing once it has
+  /// ended. May be empty.
+  std::function<void(const std::optional<std::vector<Eigen::Vector2d>>&)> checking{};
+  /// Is told what each check of the cell has found, nothing where it is well. May be empty.
+  std::function<void(const std::vector<HealthFinding>&)> found{};
+};
+
+/// Returns and logs the objections to calibration files that do not belong together. Throws
+/// InputError with them unless they are accepted.
+std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
+                                            bool accepted);
+
+/// Returns and logs the objection of the error map's fit to moving by it. Throws InputError with it
+/// unless it is accepted.
+std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
+                                      bool accepted);
+
+/// A cell that is about to move by vision: its files are read and belong together, and it is
+/// checked before anything depends on it. It waits for lost devices.
+class ReadyCell {
+ public:
+  /// Reads the files; nothing moves or is switched on. Throws InputError for files that are faulty
+  /// or do not belong together, unless the request accepts that.
+  ReadyCell(const ServoRequest& request, CellDevices& devices);
+
+  /// Switches the drives on and moves the camera's region to the lamps.
+  void switch_on();
+
+  /// Homes where that is needed. Checks, before the first other motion and every ten minutes after
+  /// it, whether the cell still agrees with its files and its calibration. Returns nothing when no
+  /// check was due, an empty text when the cell is well, else what is not. Throws WorkError when it
+  /// is not well at first.
+  std::optional<std::string> examine_if_due();
+  /// Returns whether the arm was moved since the first of these checks. Homing counts.
+  bool has_moved_on() const;
+  /// The same as examine_if_due() once the work is done, if the last check was more than a minute
+  /// ago.
+  std::optional<std::string> examine_at_end();
+
+  /// Saves every ten minutes what was learned of the arm.
+  void keep_lessons_if_due();
+
+  /// The most recoveries of drives for one target. A drive that fails more often is broken.
+  static constexpr int kMaxDriveRecoveries = 3;
+  /// The most failures of the camera at one target or during a check of the cell. One that fails
+  /// more often is broken.
+  static constexpr int kMaxCameraFailures = 20;
+
+  /// Makes one attempt at what `id` names, and makes it again after a drive that failed is back,
+  /// but at most `recoveries_left` times.
+  template <typename Attempt>
+  auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
+      -> decltype(attempt());
+  /// As the function of this name in servo/motion_guard.h does.
+  bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
+
+  const CellSettings& settings() const { return cell_; }
+  const GuardLimits& limits() const { return limits_; }
+  const JointPlanner& planner() const { return planner_; }
+  Clock& clock() { return clock_; }
+  PlanarRobot& robot() { return robot_; }
+  LampTipSensor& sensor() { return sensor_; }
+  PositionServo& servo() { return servo_; }
+  /// Returns the accepted objections to files that do not belong together.
+  const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
+  /// Returns the accepted objections to the error map.
+  const std::optional<std::string>& accepted_map() const { return accepted_map_; }
+
+ private:
+  bool was_examined_s_ago(double seconds) const;
+  /// Returns what is not well; logs when nothing is known of the cell's health.
+  std::string examine();
+  /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
+  void recover_drives(const std::string& id, const std::string& reason);
+
+  CellSettings cell_;
+  FrameSource& camera_;
+  Clock& clock_;
+  MayHome may_home_;
+  bool check_health_;
+  std::function<void(const std::optional<std::vector<Eigen::Vector2d>>&)> checking_;
+  std::function<void(const std::vector<HealthFinding>&)> found_;
+  std::optional<double> examined_s_;  ///< when the cell was last checked
+  std::optional<std::optional<Pulses>>
+      begun_at_;  ///< where the arm stood after the first look, if known
+  VisionCalibration vision_;
+  std::optional<HealthRecord> health_;
+  GuardLimits limits_;
+  LampTipSensor sensor_;
+  std::vector<std::string> accepted_stale_;
+  std::optional<std::string> accepted_map_;
+  JointPlanner planner_;
+  PlanarRobot robot_;
+  std::unique_ptr<LandingModel> landings_;  ///< none where landings are not estimated
+  std::optional<ArmMemory> memory_;         ///< none where nothing is learned or kept
+  PositionServo servo_;
+};
+
+template <typename Attempt>
+auto ReadyCell::with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
+    -> decltype(attempt()) {
+  while (true) {
+    try {
+      return attempt();
+    } catch (const DriveError& error) {
+      if (recoveries_left-- == 0) throw;
+      recover_drives(id, error.what());
+    }
+  }
+}
+
+}  // namespace planar

@@ -1,0 +1,354 @@
+#include "planar_servo/work/run/servo_report.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/devices/tracker.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/yaml_writer.h"
+#include "planar_servo/work/run/servo_page.h"
+
+namespace planar {
+namespace {
+
+std::optional<Summary> summary_of(const std::vector<TargetResult>& results, TargetError error) {
+  const std::vector<double> lengths = error_lengths(results, error);
+  if (lengths.empty()) return std::nullopt;
+  return summarize(lengths);
+}
+
+std::optional<Coverage> coverage_of(const std::vector<TargetResult>& results) {
+  constexpr double kSigmas = 1.96;
+  Coverage coverage;
+  for (const TargetResult& result : results) {
+    const auto& believed = result.believed ? result.believed : result.vision_compensated;
+    if (!believed || !result.uncertainty_m) continue;
+    const double sigma = std::hypot(*result.uncertainty_m, result.sigma_truth_m.value_or(0.0));
+    coverage.within += static_cast<int>((believed->array().abs() < kSigmas * sigma).count());
+    coverage.all += 2;
+  }
+  if (coverage.all == 0) return std::nullopt;
+  return coverage;
+}
+
+/// Returns whether vision made the true errors longer on average, by more than two standard
+/// deviations of the mean.
+bool made_worse(const std::vector<TargetResult>& results) {
+  constexpr std::size_t kEnoughTargets = 5;
+  constexpr double kSigmas = 2.0;
+  std::vector<double> changes;
+  for (const TargetResult& result : results)
+    if (result.before_truth && result.after_truth)
+      changes.push_back(result.after_truth->norm() - result.before_truth->norm());
+  if (changes.size() < kEnoughTargets) return false;
+  const auto n = static_cast<double>(changes.size());
+  const double change = mean(changes);
+  const double variance = (rms(changes) * rms(changes) - change * change) / (n - 1.0);
+  return change > kSigmas * std::sqrt(std::max(0.0, variance));
+}
+
+std::optional<TrackerFigures> tracker_figures(const std::vector<TargetResult>& results) {
+  TrackerFigures figures;
+  double squares = 0.0, variances = 0.0;
+  for (const TargetResult& result : results) {
+    if (!result.not_judged.empty()) figures.not_judged.emplace_back(result.id, result.not_judged);
+    if (!result.sigma_truth_m || !result.after_truth) continue;
+    ++figures.judged;
+    squares += result.after_truth->squaredNorm();
+    variances += *result.sigma_truth_m * *result.sigma_truth_m;
+  }
+  if (figures.judged == 0 && figures.not_judged.empty()) return std::nullopt;
+  const double n = static_cast<double>(std::max<std::size_t>(figures.judged, 1));
+  figures.sigma = std::sqrt(variances / n);
+  figures.after_net = std::sqrt(std::max(0.0, (squares - 2.0 * variances) / n));
+  return figures;
+}
+
+/// The same figures as a line of print and as a sentence of a page, each behind who judged.
+constexpr char kErrorLine[] =
+    ": the arm alone {before_mean_mm:.4f} mm mean; with vision {after_mean_mm:.4f} mm mean, "
+    "{after_rms_mm:.4f} rms, {after_p95_mm:.4f} at 95 %, {after_max_mm:.4f} max";
+constexpr char kErrorSentence[] =
+    ", the arm alone landed {before_mean_mm:.4f} mm from its targets on average, with vision "
+    "{after_mean_mm:.4f} mm ({after_rms_mm:.4f} mm rms, {after_p95_mm:.4f} mm at 95 %, "
+    "{after_max_mm:.4f} mm at most)";
+
+void list_errors(ReportList& list, const std::string& text, const std::optional<Summary>& before,
+                 const std::optional<Summary>& after) {
+  if (!before || !after) return;
+  list.line("", text, before->mean, after->mean, after->rms, after->p95, after->max);
+  list.unprinted("improvement", 1.0 - after->mean / before->mean);
+}
+
+/// Lists the judge's figures, `list_told(list, figures)`, under keys that end with its name. For
+/// one version those of a tracker stand under `_truth`, too.
+template <typename ListTold>
+void list_judged(ReportList& list, const ServoFigures& figures, ListTold list_told) {
+  ReportList told("_" + figures.judge()), as_before("_truth");
+  list_told(told, figures);
+  list_told(as_before, figures);
+  list.append(told);
+  list.append_figures(as_before);
+}
+
+void list_judged_errors(ReportList& list, const ServoFigures& figures) {
+  list_errors(list, "against the " + figures.judge() + kErrorLine, figures.before_truth,
+              figures.after_truth);
+}
+
+void list_tracker_sigma(ReportList& list, const ServoFigures& figures) {
+  const double sigma = figures.tracker->sigma, net = figures.tracker->after_net;
+  if (net > 0.0)
+    return list.line("",
+                     "the tracker is uncertain by {sigma_mm:.4f} mm per axis; without that the "
+                     "errors with vision are {after_rms_net_mm:.4f} mm rms",
+                     sigma, net);
+  list.line("",
+            "the tracker is uncertain by {sigma_mm:.4f} mm per axis, which explains the errors "
+            "with vision",
+            sigma);
+  list.unprinted("after_rms_net_mm", net);
+}
+
+void list_coverage(ReportList& list, const ServoFigures& figures) {
+  list.line("", "vision: {coverage_95:.1%} of the components within their stated 95 % interval",
+            figures.coverage_95 ? std::optional(figures.coverage_95->share()) : std::nullopt);
+}
+
+void list_tracker(ReportList& list, const ServoFigures& figures) {
+  const TrackerFigures& tracker = *figures.tracker;
+  list.unprinted("judged", tracker.judged);
+  if (tracker.judged > 0) list_judged(list, figures, list_tracker_sigma);
+  const auto list_not_judged = [](ReportList& row, const auto& not_judged) {
+    row.line("target", "{target}", not_judged.first);
+    row.line("why", "{reason}", not_judged.second);
+  };
+  list.rows("not_judged", tracker.not_judged, list_not_judged, "not judged: ");
+}
+
+constexpr char kMadeWorse[] = "vision made the arm worse than it lands alone";
+
+/// Names intervals that hold too little or too much, unless that few components may do so by
+/// chance.
+std::string coverage_words(const ServoFigures& figures) {
+  constexpr double kLeast = 0.90, kMost = 0.98, kStated = 0.95;
+  if (!figures.coverage_95) return "";
+  const auto [within, all] = *figures.coverage_95;
+  const double share = figures.coverage_95->share();
+  if (share < kLeast && binomial_tail(within, all, kStated) < kFalseAlarm)
+    return "; the stated 95 % intervals are too narrow";
+  if (share > kMost && binomial_tail(all - within, all, 1.0 - kStated) < kFalseAlarm)
+    return "; the stated 95 % intervals are wider than need be";
+  return "";
+}
+
+ReportList reached_list(const ServoFigures& figures) {
+  ReportList list;
+  list.line("",
+            fmt::format("{{reached}} of {{targets}} targets reached, {{iterations_median:g}} "
+                        "correction{} and {{seconds_per_target:.2f}} s each",
+                        figures.iterations_median == 1.0 ? "" : "s"),
+            figures.reached, figures.targets, figures.iterations_median,
+            figures.seconds_per_target);
+  return list;
+}
+
+void list_own_view(ReportList& list, const ServoFigures& figures) {
+  ReportList own_view("_own_view");
+  list_errors(own_view, std::string("by its own view") + kErrorLine, figures.before_own,
+              figures.after_own);
+  list.append(own_view);
+}
+
+void list_frames(ReportList& list, const FrameCounts& frames) {
+  list.line("", "camera: " + describe(frames));
+  list.unprinted("frames_complete", frames.complete);
+  list.unprinted("frames_incomplete", frames.incomplete);
+  list.unprinted("frames_frozen", frames.frozen);
+  list.unprinted("camera_reopened", frames.reopened);
+}
+
+/// Returns the one line of a list without its end.
+std::string line_of(const ReportList& list) {
+  const std::string text = list.text();
+  return text.substr(0, text.find('\n'));
+}
+
+/// Returns the text of run.yaml: the files used with their hashes, settings and outcome.
+std::string run_text(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
+                     const std::vector<std::filesystem::path>& inputs) {
+  YamlWriter yaml("run", "planar-servo");
+  yaml.add_inputs(input_records(inputs));
+  yaml.add("error_map_used", request.use_error_map);
+  if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
+  if (run.accepted_map()) yaml.add("accepted_map", *run.accepted_map());
+  yaml.add("targets", static_cast<int>(figures.targets));
+  yaml.add("reached", static_cast<int>(figures.reached));
+  if (figures.frames) yaml.add("camera", describe(*figures.frames));
+  yaml.map("figures", [&] {
+    const ReportList list = servo_list(figures);
+    for (const auto& [key, value] : list.json().items())
+      if (value.is_number_float()) yaml.add(key, value.get<double>());
+  });
+  return yaml.text();
+}
+
+void log_failures(const ServoRun& run) {
+  std::size_t doubted = 0;
+  for (const TargetResult& result : run.results()) {
+    if (result.status == ServoStatus::kDoubted)
+      ++doubted;
+    else if (result.status != ServoStatus::kReached)
+      spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
+  }
+  if (doubted > 0)
+    spdlog::warn(fmt::format(
+        "{} targets are doubted: they were reached after the last good check of the cell; --resume "
+        "visits them again",
+        doubted));
+  if (run.ended_by())
+    spdlog::error(fmt::format(
+        "no further target was tried, because the cell is in doubt since {}; mend it, then "
+        "continue with --resume",
+        *run.ended_by()));
+}
+
+}  // namespace
+
+bool ServoFigures::is_judged() const {
+  return before_truth && after_truth;
+}
+
+std::string ServoFigures::judge() const {
+  return name_in(kJudgeKinds, tracker ? JudgeKind::kTracker : JudgeKind::kTruth);
+}
+
+std::vector<double> error_lengths(const std::vector<TargetResult>& results, TargetError error) {
+  std::vector<double> lengths;
+  for (const TargetResult& result : results)
+    if (result.*error) lengths.push_back((result.*error)->norm());
+  return lengths;
+}
+
+double mean_error(const std::vector<TargetResult>& results, TargetError error) {
+  const std::vector<double> lengths = error_lengths(results, error);
+  return lengths.empty() ? std::numeric_limits<double>::quiet_NaN() : mean(lengths);
+}
+
+ServoFigures figures_of(const std::vector<TargetResult>& results) {
+  ServoFigures figures;
+  figures.targets = results.size();
+  std::vector<double> iterations, seconds;
+  for (const TargetResult& result : results) {
+    if (result.status == ServoStatus::kReached) ++figures.reached;
+    iterations.push_back(result.iterations);
+    seconds.push_back(result.seconds);
+  }
+  if (results.empty()) return figures;
+  figures.iterations_median = median(iterations);
+  figures.seconds_per_target = mean(seconds);
+  figures.before_own = summary_of(results, &TargetResult::before_own);
+  figures.after_own = summary_of(results, &TargetResult::after_own);
+  figures.before_truth = summary_of(results, &TargetResult::before_truth);
+  figures.after_truth = summary_of(results, &TargetResult::after_truth);
+  figures.coverage_95 = coverage_of(results);
+  figures.made_worse = made_worse(results);
+  figures.tracker = tracker_figures(results);
+  return figures;
+}
+
+QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
+                        TargetError error) {
+  QuiverPanel panel;
+  panel.title = fmt::format("{}: {:#.3g} mm mean", what, mm(mean_error(results, error)));
+  for (const TargetResult& result : results) {
+    if (!(result.*error)) continue;
+    panel.points.push_back(result.p_d);
+    panel.errors.push_back(*(result.*error));
+  }
+  return panel;
+}
+
+ReportList other_list(const ServoFigures& figures) {
+  ReportList list;
+  if (figures.tracker) list_tracker(list, figures);
+  if (figures.is_judged()) list_own_view(list, figures);
+  list_judged(list, figures, list_coverage);
+  if (figures.frames) list_frames(list, *figures.frames);
+  return list;
+}
+
+ReportList servo_list(const ServoFigures& figures) {
+  ReportList list = reached_list(figures);
+  list_judged(list, figures, list_judged_errors);
+  if (figures.made_worse) list.line("", kMadeWorse);
+  if (!figures.is_judged()) list_own_view(list, figures);
+  list.append(other_list(figures));
+  return list;
+}
+
+std::string reached_words(const ServoFigures& figures) {
+  return line_of(reached_list(figures));
+}
+
+std::string landing_words(const ServoFigures& figures) {
+  const bool judged = figures.is_judged();
+  const std::string judge = !judged           ? "By vision's own estimate"
+                            : figures.tracker ? "Judged by the tracker"
+                                              : "Judged by the truth of the virtual cell";
+  ReportList list;
+  list_errors(list, judge + kErrorSentence, judged ? figures.before_truth : figures.before_own,
+              judged ? figures.after_truth : figures.after_own);
+  const std::string words = line_of(list);
+  return words.empty() ? "" : words + coverage_words(figures);
+}
+
+std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::string& results) {
+  std::vector<Verdict::Fault> faults;
+  if (figures.reached < figures.targets)
+    faults.push_back({fmt::format("{} of {} targets were not reached",
+                                  figures.targets - figures.reached, figures.targets),
+                      results + " has the reason of each"});
+  if (figures.made_worse)
+    faults.push_back({kMadeWorse,
+                      "planar-check-cell says what has moved since the calibration; if nothing "
+                      "has, record more training places and fit the error map again"});
+  return faults;
+}
+
+std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
+                                              const std::filesystem::path& wanted) {
+  const CellSettings& cell = request.cell;
+  std::vector<std::filesystem::path> inputs{cell.file, cell.camera_model, cell.workplane,
+                                            cell.tool};
+  if (!wanted.empty()) inputs.push_back(wanted);
+  if (request.use_error_map) inputs.push_back(cell.error_map);
+  if (cell.arm_found) inputs.push_back(*cell.arm_found);
+  return inputs;
+}
+
+void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
+               const std::filesystem::path& targets) {
+  if (!run.has_new_results() && std::filesystem::exists(request.out / "run.yaml")) return;
+  write_file(request.out / "run.yaml",
+             run_text(request, run, figures, run_inputs(request, targets)));
+  write_file(request.out / "report.html",
+             servo_page(request, figures, run.results(), run.ended_by()));
+}
+
+ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,
+                          const FrameCounts& frames, const std::filesystem::path& targets) {
+  log_failures(run);
+  ServoFigures figures = figures_of(run.results());
+  figures.frames = frames;
+  write_run(request, run, figures, targets);
+  return figures;
+}
+
+}  // namespace planar

@@ -1,0 +1,88 @@
+#include "planar_servo/work/run/target_stream.h"
+
+#include <istream>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/csv_table.h"
+#include "planar_servo/work/run/dry_run.h"
+
+namespace planar {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void write_line(std::ostream& out, const Json& answer) {
+  constexpr int kOneLine = -1;
+  out << answer.dump(kOneLine, ' ', false, Json::error_handler_t::replace) << std::endl;
+  if (!out) throw WorkError("the answers cannot be written; nobody would learn what moves");
+}
+
+}  // namespace
+
+StreamEnd answer_targets(std::istream& in, std::ostream& out, TargetLines& lines,
+                         const TargetAnswer& answer) {
+  StreamEnd end;
+  std::string text;
+  while (std::getline(in, text)) {
+    const bool has_end = !in.eof();
+    if (has_end && trimmed(text) == "end") {
+      end.was_said = true;
+      break;
+    }
+    std::optional<TargetRow> target;
+    try {
+      target = lines.next(text, has_end);
+    } catch (const InputError& e) {
+      write_line(out, {{"line", lines.line()}, {"error", e.what()}});
+      if (!lines.has_columns()) throw;
+      ++end.bad_lines;
+      continue;
+    }
+    if (!target) continue;
+    Json told{{"line", lines.line()}};
+    try {
+      told.update(answer(*target));
+    } catch (const std::exception& e) {
+      write_line(out, {{"line", lines.line()}, {"target", target->id}, {"error", e.what()}});
+      throw;
+    }
+    write_line(out, told);
+  }
+  return end;
+}
+
+Json result_answer(const TargetResult& result) {
+  Json told{{"target", result.id},        {"x_mm", mm(result.p_d.x())},
+            {"y_mm", mm(result.p_d.y())}, {"status", name(result.status)},
+            {"reason", result.reason},    {"iterations", result.iterations},
+            {"seconds", result.seconds}};
+  if (result.uncertainty_m) told["uncertainty_mm"] = mm(*result.uncertainty_m);
+  for (const ResultError& kind : result_errors()) {
+    const auto& error = result.*kind.error;
+    if (!error) continue;
+    const auto columns = kind.columns();
+    told[columns[0]] = mm(error->norm());
+    told[columns[1]] = mm(error->x());
+    told[columns[2]] = mm(error->y());
+  }
+  return told;
+}
+
+FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
+                                   const CellSettings& cell, const Joints& start) {
+  DryRun dry(cell, start);
+  FirstMoveStream planned;
+  planned.end = answer_targets(in, out, lines, [&](const TargetRow& target) {
+    const DryRunRow row = dry.first_move(target);
+    ++planned.targets;
+    if (row.plan.refusal) ++planned.refused;
+    return first_move_answer(row);
+  });
+  return planned;
+}
+
+}  // namespace planar
