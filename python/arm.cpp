@@ -4,7 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/geometry/arm/found_arm.h"
 #include "planar_servo/geometry/arm/planar_arm.h"

@@ -4,8 +4,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/paper/board_page.h"
-#include "planar_servo/offline/paper/tool_page.h"
+#include "planar_servo/offline/paper/drawings.h"
 #include "program.h"
 
 namespace planar {

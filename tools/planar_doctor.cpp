@@ -10,7 +10,7 @@
 #include "planar_servo/console/doctor/doctor.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/work/run/check_ways.h"
+#include "planar_servo/work/run/dry_run.h"
 #include "program.h"
 
 namespace planar {

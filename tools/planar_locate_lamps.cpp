@@ -7,7 +7,7 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/lamps_report.h"
 #include "planar_servo/offline/locate_lamps.h"

@@ -8,11 +8,11 @@
 
 #include "paper_cell.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/rehearsal/cell_commands.h"
+#include "planar_servo/machine/rehearsal/live_cell.h"
 #include "planar_servo/machine/rehearsal/served_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "program.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/geometry/arm/arm_learner.h"
+#include "planar_servo/geometry/arm/found_arm.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "planar_servo/certificate/test_places.h"
+#include "planar_servo/certificate/certify.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

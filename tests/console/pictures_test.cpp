@@ -1,4 +1,4 @@
-#include "planar_servo/console/watch/picture_watch.h"
+#include "planar_servo/console/picture_watch.h"
 
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>

@@ -1,4 +1,4 @@
-#include "planar_servo/console/recording_job.h"
+#include "planar_servo/console/arm_jobs.h"
 
 #include <catch2/catch.hpp>
 #include <thread>

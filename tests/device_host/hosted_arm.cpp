@@ -6,7 +6,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
-#include "planar_servo/virtual_cell/virtual_hardware.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 namespace planar::test {
 namespace {

@@ -8,7 +8,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/experiment_report.h"
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/servo_report.h"
 #include "support/sample_cells.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 
 #include <catch2/catch.hpp>
 

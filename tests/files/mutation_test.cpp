@@ -4,7 +4,6 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/target_table.h"

@@ -1,4 +1,4 @@
-#include "planar_servo/files/tables/path_tables.h"
+#include "planar_servo/files/tables/target_table.h"
 
 #include <catch2/catch.hpp>
 

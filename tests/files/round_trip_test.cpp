@@ -6,7 +6,6 @@
 #include "planar_servo/base/core/plan.h"
 #include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/result_table.h"

@@ -10,8 +10,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/offline/paper/board_page.h"
-#include "planar_servo/offline/paper/tool_page.h"
+#include "planar_servo/offline/paper/drawings.h"
 
 namespace planar {
 namespace {

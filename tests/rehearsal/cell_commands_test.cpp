@@ -1,4 +1,4 @@
-#include "planar_servo/machine/rehearsal/cell_commands.h"
+#include "planar_servo/machine/rehearsal/live_cell.h"
 
 #include <unistd.h>
 

@@ -7,8 +7,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "planar_servo/report/live/live_view.h"
 #include "planar_servo/report/live/record_view.h"
-#include "planar_servo/report/live/servo_view.h"
 #include "support/temporary_folder.h"
 
 namespace planar {

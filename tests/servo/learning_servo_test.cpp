@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/geometry/arm/arm_learner.h"
+#include "planar_servo/geometry/arm/found_arm.h"
 #include "planar_servo/loop/servo/position_servo.h"
 #include "servo/servo_bench.h"
 

@@ -1,4 +1,4 @@
-#include "planar_servo/geometry/tool/coarse_view.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

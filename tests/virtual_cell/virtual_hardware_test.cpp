@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/virtual_hardware.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

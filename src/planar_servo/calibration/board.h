@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/geometry/lens/camera_model.h"
 
 namespace planar {

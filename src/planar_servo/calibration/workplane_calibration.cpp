@@ -13,7 +13,7 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/plane_sights.h"
-#include "planar_servo/geometry/tool/coarse_view.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 

@@ -1,4 +1,5 @@
 #include "planar_servo/certificate/cell_accuracy.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -6,6 +7,7 @@
 #include <random>
 #include <set>
 #include <stdexcept>
+
 #include "planar_servo/base/core/statistics.h"
 
 namespace planar {

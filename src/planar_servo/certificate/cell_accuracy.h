@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/files/tables/result_table.h"
 

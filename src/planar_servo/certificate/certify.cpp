@@ -8,14 +8,146 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/checksum.h"
+#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/work/run/dry_run.h"
 #include "planar_servo/work/run/resumed_run.h"
 
 namespace planar {
 namespace {
+
+struct ApproachSide {
+  const char* name;
+  double x, y;
+};
+
+constexpr ApproachSide kSides[] = {{"+x", 1, 0}, {"-x", -1, 0}, {"+y", 0, 1}, {"-y", 0, -1}};
+/// The standard's poses for vAP, by their index.
+constexpr std::size_t kVariationPoses[] = {0, 1, 3};
+
+/// Nodes of the raster along each axis.
+constexpr std::size_t kNodes = 81;
+/// Where the poses lie on the diagonals, from the corners.
+constexpr double kDiagonalShare = 0.1;
+/// So many times the wanted targets are tried before the workspace counts as too narrow.
+constexpr std::size_t kMostTries = 200;
+
+double radical_inverse(std::size_t index, std::size_t base) {
+  double value = 0.0, digit = 1.0;
+  for (; index > 0; index /= base) {
+    digit /= static_cast<double>(base);
+    value += digit * static_cast<double>(index % base);
+  }
+  return value;
+}
+
+Eigen::Vector2d place_in_ring(const Workspace& workspace, std::size_t index) {
+  const double least = workspace.radius_min_m * workspace.radius_min_m;
+  const double most = workspace.radius_max_m * workspace.radius_max_m;
+  const double radius = std::sqrt(least + (most - least) * radical_inverse(index, 2));
+  const double angle = 2.0 * kPi * radical_inverse(index, 3);
+  return radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+}
+
+/// Says where a cell can position its end point.
+class UsablePlaces {
+ public:
+  UsablePlaces(const CellSettings& cell, const VisionCalibration& vision)
+      : cell_(cell), vision_(vision), planner_(servo_planner(cell)) {}
+
+  bool contain(const Eigen::Vector2d& p) const {
+    const TipPose tip{p, cell_.tool_orientation};
+    return !cell_.workspace.violation(p) && !planner_.plan(tip, cell_.arm.home).refusal &&
+           expect_tool(vision_, tip) && predict_error_at(vision_, tip).inside;
+  }
+
+ private:
+  const CellSettings& cell_;
+  const VisionCalibration& vision_;
+  JointPlanner planner_;
+};
+
+struct Raster {
+  double first{0.0}, spacing{0.0};
+  double usable{0.0};
+  std::vector<std::vector<bool>> free;  ///< by row (y), then column (x)
+
+  Eigen::Vector2d node(std::size_t column, std::size_t row) const {
+    return {first + spacing * static_cast<double>(column),
+            first + spacing * static_cast<double>(row)};
+  }
+};
+
+Raster raster_of(const CellSettings& cell, const UsablePlaces& usable) {
+  const double reach = cell.workspace.radius_max_m;
+  Raster raster{-reach, 2.0 * reach / static_cast<double>(kNodes - 1), 0.0, {}};
+  std::size_t allowed = 0, free = 0;
+  for (std::size_t row = 0; row < kNodes; ++row) {
+    std::vector<bool>& nodes = raster.free.emplace_back();
+    for (std::size_t column = 0; column < kNodes; ++column) {
+      const Eigen::Vector2d p = raster.node(column, row);
+      nodes.push_back(usable.contain(p));
+      if (!cell.workspace.violation(p)) ++allowed;
+      if (nodes.back()) ++free;
+    }
+  }
+  raster.usable =
+      static_cast<double>(free) / static_cast<double>(std::max<std::size_t>(allowed, 1));
+  return raster;
+}
+
+TestSquare square_at(const Raster& raster, const RasterSquare& found) {
+  const double side = raster.spacing * static_cast<double>(found.side);
+  return {raster.node(found.column, found.row) - Eigen::Vector2d::Constant(0.5 * side), side};
+}
+
+/// Plans a cycle of all moves twice, so that the way back to the first is checked, too.
+bool can_cycle(DryRun dry, const TestPlaces& places) {
+  const auto refused = [&](const Eigen::Vector2d& p) {
+    return dry.first_move({"", p, {}}).plan.refusal.has_value();
+  };
+  for (int cycle = 0; cycle < 2; ++cycle)
+    for (const CertificateMove& move : certificate_moves(places, 1))
+      if ((move.p_before && refused(*move.p_before)) || refused(move.p_d)) return false;
+  return true;
+}
+
+/// Returns the places among `usable`, in the order of their angle about the base, to which the ways
+/// are free.
+std::vector<Eigen::Vector2d> free_tour(const DryRun& home, std::vector<Eigen::Vector2d> usable) {
+  std::sort(usable.begin(), usable.end(), [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return std::atan2(a.y(), a.x()) < std::atan2(b.y(), b.x());
+  });
+  DryRun dry = home;
+  const auto refused = [&](const Eigen::Vector2d& p) {
+    return dry.first_move({"", p, {}}).plan.refusal.has_value();
+  };
+  usable.erase(std::remove_if(usable.begin(), usable.end(), refused), usable.end());
+  return usable;
+}
+
+/// The tour goes once round the base, so that no motor winds itself up to its limits.
+std::vector<Eigen::Vector2d> spread_targets(const CellSettings& cell, const UsablePlaces& usable,
+                                            const DryRun& home, std::size_t wanted) {
+  std::vector<Eigen::Vector2d> places, tour;
+  for (std::size_t index = 1; index <= kMostTries * wanted; ++index) {
+    const Eigen::Vector2d p = place_in_ring(cell.workspace, index);
+    if (!usable.contain(p)) continue;
+    places.push_back(p);
+    if (places.size() < wanted) continue;
+    tour = free_tour(home, places);
+    if (tour.size() == wanted) return tour;
+  }
+  throw InputError({fmt::format("{} of {} targets were found that arm, camera and error map reach",
+                                tour.size(), wanted),
+                    "record training positions over more of the workspace, or narrow the workspace "
+                    "in the cell file",
+                    cell.file});
+}
 
 namespace fs = std::filesystem;
 
@@ -163,6 +295,82 @@ void make_moves(CertificateRun& certificate, const std::vector<CertificateMove>&
 }
 
 }  // namespace
+
+std::string pose_name(std::size_t index) {
+  return fmt::format("P{}", index + 1);
+}
+
+std::vector<CertificateMove> certificate_moves(const TestPlaces& places, int cycles) {
+  std::vector<CertificateMove> moves;
+  const std::size_t poses = places.poses.size();
+  for (int cycle = 1; cycle <= cycles; ++cycle)
+    for (std::size_t i = 0; i < poses; ++i)
+      moves.push_back({fmt::format("c{:02}.{}", cycle, pose_name(i)), CertificatePart::kPose,
+                       pose_name(i), "", cycle, places.poses[i],
+                       places.poses[(i + poses - 1) % poses]});
+  const double way = kApproachShare * places.square.side;
+  for (int cycle = 1; cycle <= cycles; ++cycle)
+    for (const std::size_t i : kVariationPoses)
+      for (const ApproachSide& side : kSides)
+        moves.push_back({fmt::format("v{:02}.{}{}", cycle, pose_name(i), side.name),
+                         CertificatePart::kDirection, pose_name(i), side.name, cycle,
+                         places.poses[i],
+                         Eigen::Vector2d(places.poses[i] + way * Eigen::Vector2d(side.x, side.y))});
+  for (std::size_t i = 0; i < places.targets.size(); ++i)
+    moves.push_back({fmt::format("w{:03}", i + 1),
+                     CertificatePart::kWorkspace,
+                     "",
+                     "",
+                     0,
+                     places.targets[i],
+                     {}});
+  return moves;
+}
+
+std::array<Eigen::Vector2d, 5> square_poses(const TestSquare& square) {
+  const double half = (0.5 - kDiagonalShare) * square.side;
+  const auto at = [&](double x, double y) {
+    return Eigen::Vector2d(square.centre + half * Eigen::Vector2d(x, y));
+  };
+  return {square.centre, at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)};
+}
+
+std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& free) {
+  std::vector<RasterSquare> squares;
+  std::vector<std::vector<std::size_t>> nodes;  // along the side of the largest that ends there
+  for (std::size_t row = 0; row < free.size(); ++row) {
+    nodes.emplace_back(free[row].size(), 0);
+    for (std::size_t column = 0; column < free[row].size(); ++column) {
+      if (!free[row][column]) continue;
+      std::size_t before = 0;
+      if (row > 0 && column > 0)
+        before =
+            std::min({nodes[row - 1][column], nodes[row][column - 1], nodes[row - 1][column - 1]});
+      nodes[row][column] = before + 1;
+      if (before > 0) squares.push_back({column, row, before});
+    }
+  }
+  std::stable_sort(squares.begin(), squares.end(),
+                   [](const RasterSquare& a, const RasterSquare& b) { return a.side > b.side; });
+  return squares;
+}
+
+TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& vision,
+                            std::size_t targets) {
+  const UsablePlaces usable(cell, vision);
+  const Raster raster = raster_of(cell, usable);
+  const DryRun dry(cell, foresee_check(cell, vision).end);
+  for (const RasterSquare& found : free_squares(raster.free)) {
+    const TestSquare square = square_at(raster, found);
+    TestPlaces places{square, raster.spacing, raster.usable, square_poses(square), {}};
+    if (!can_cycle(dry, places)) continue;
+    places.targets = spread_targets(cell, usable, dry, targets);
+    return places;
+  }
+  throw InputError({"no square of the workspace is reached by arm, camera and error map",
+                    "look at the limits and the workspace in the cell file with planar-doctor",
+                    cell.file});
+}
 
 CertificateRun run_certificate(
     const CertificateRequest& request, const OpenDevices& open,

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include "planar_servo/console/watch/watched_devices.h"
+#include "planar_servo/console/picture_watch.h"
 
 namespace planar {
 namespace {

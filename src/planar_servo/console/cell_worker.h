@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "planar_servo/console/known_cell.h"
+#include "planar_servo/console/picture_watch.h"
 #include "planar_servo/console/state_board.h"
-#include "planar_servo/console/watch/picture_watch.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/jog/jog_console.h"
 

@@ -1,10 +1,12 @@
 #include "planar_servo/console/console.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -12,6 +14,7 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/http/connections.h"

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <spdlog/common.h>
+
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
+
 #include "planar_servo/console/state_board.h"
 
 namespace planar {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 
 namespace planar {

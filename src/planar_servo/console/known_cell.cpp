@@ -13,7 +13,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/work/run/check_ways.h"
+#include "planar_servo/work/run/dry_run.h"
 
 namespace planar {
 namespace {

@@ -1,10 +1,13 @@
 #include "planar_servo/console/state_board.h"
+
 #include <fmt/format.h>
+
 #include <cctype>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
+
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/console/json_values.h"
 

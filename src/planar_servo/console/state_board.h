@@ -12,10 +12,11 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 

@@ -10,7 +10,7 @@
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/geometry/arm/arm_learner.h"
 #include "planar_servo/geometry/arm/found_arm.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/learn/field/arm/arm_fit.h"

@@ -1,7 +1,10 @@
 #include "planar_servo/files/calibration_files.h"
+
 #include <fmt/format.h>
+
 #include <filesystem>
 #include <utility>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/yaml_reader.h"

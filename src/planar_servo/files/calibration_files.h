@@ -4,8 +4,9 @@
 #include <filesystem>
 #include <string>
 #include <vector>
-#include "planar_servo/base/core/names.h"
+
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/hardware/cell/cell_settings.h"

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/yaml_reader.h"
 #include "planar_servo/base/io/yaml_writer.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 

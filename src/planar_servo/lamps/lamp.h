@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 

@@ -1,5 +1,7 @@
 #include "planar_servo/machine/device_kinds.h"
+
 #include <fmt/format.h>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/hardware/cameras/aravis_kind.h"

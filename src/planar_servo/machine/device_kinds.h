@@ -2,12 +2,13 @@
 
 #include <filesystem>
 #include <memory>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
-#include "planar_servo/virtual_cell/virtual_hardware.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 namespace planar {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"

@@ -1,10 +1,13 @@
 #include "planar_servo/offline/locate_lamps.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <mutex>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/threads.h"
 #include "planar_servo/files/calibration_files.h"

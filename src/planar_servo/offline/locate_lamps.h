@@ -5,7 +5,8 @@
 #include <functional>
 #include <optional>
 #include <vector>
-#include "planar_servo/files/tables/lamp_table.h"
+
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/loop/vision/reference_lamps.h"

@@ -1,11 +1,14 @@
 #include "planar_servo/report/axis.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <stdexcept>
+
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/report/html_page.h"
 

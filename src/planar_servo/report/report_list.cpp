@@ -1,9 +1,12 @@
 #include "planar_servo/report/report_list.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/report/html_page.h"
 

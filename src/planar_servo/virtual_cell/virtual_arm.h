@@ -12,7 +12,6 @@
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
-#include "planar_servo/virtual_cell/virtual_hardware.h"
 
 namespace planar {
 

@@ -11,7 +11,6 @@
 #include "planar_servo/virtual_cell/virtual_arm.h"
 #include "planar_servo/virtual_cell/virtual_board.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
-#include "planar_servo/virtual_cell/virtual_hardware.h"
 #include "planar_servo/virtual_cell/virtual_lamps.h"
 
 namespace planar {

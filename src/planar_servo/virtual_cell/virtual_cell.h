@@ -14,7 +14,7 @@
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_arm.h"
-#include "planar_servo/virtual_cell/virtual_hardware.h"
+#include "planar_servo/virtual_cell/virtual_drive.h"
 
 namespace planar {
 

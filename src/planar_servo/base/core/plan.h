@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 

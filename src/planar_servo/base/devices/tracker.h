@@ -5,9 +5,10 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include "planar_servo/base/core/names.h"
+
 #include "planar_servo/base/core/operator.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 

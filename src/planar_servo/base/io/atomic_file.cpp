@@ -1,9 +1,11 @@
 #include "planar_servo/base/io/atomic_file.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
@@ -11,6 +13,7 @@
 #include <set>
 #include <sstream>
 #include <system_error>
+
 #include "planar_servo/base/core/error.h"
 
 namespace planar {

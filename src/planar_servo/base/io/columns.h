@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/io/csv_table.h"
 
 namespace planar {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 

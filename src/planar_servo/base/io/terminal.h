@@ -1,8 +1,10 @@
 #pragma once
 
 #include <unistd.h>
+
 #include <cstddef>
 #include <string>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/operator.h"
 

@@ -1,8 +1,10 @@
 #include "planar_servo/calibration/readings/change_point.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"

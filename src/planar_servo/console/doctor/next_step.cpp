@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/console/doctor/doctor.h"
 #include "planar_servo/console/doctor/work_files.h"

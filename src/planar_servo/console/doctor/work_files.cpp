@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/checksum.h"
 #include "planar_servo/console/doctor/doctor.h"

@@ -1,4 +1,5 @@
 #include "planar_servo/console/http/connections.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/tcp.h>
@@ -8,11 +9,13 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
 #include <thread>
 #include <utility>
+
 #include "planar_servo/base/core/error.h"
 
 namespace planar {

@@ -1,16 +1,19 @@
 #include "planar_servo/console/http/console_api.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <set>
+
 #include "console_page.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/csv_table.h"
 #include "planar_servo/console/doctor/next_step.h"
-#include "planar_servo/console/http/cell_folder.h"
+#include "planar_servo/console/http/rights.h"
 #include "planar_servo/console/json_values.h"
 
 namespace planar {

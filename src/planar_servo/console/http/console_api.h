@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/console_orders.h"

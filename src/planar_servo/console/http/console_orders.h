@@ -8,13 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "planar_servo/console/arm_jobs.h"
 #include "planar_servo/console/cell_jobs.h"
 #include "planar_servo/console/cell_worker.h"
-#include "planar_servo/console/certificate_job.h"
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/page_operator.h"
-#include "planar_servo/console/path_job.h"
-#include "planar_servo/console/recording_job.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/console/step_job.h"
 

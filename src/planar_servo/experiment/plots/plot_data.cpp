@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "planar_servo/experiment/paper_tables.h"
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/lamps/lamp_detector.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"

@@ -1,6 +1,8 @@
 #include "planar_servo/files/tables/grid_exports.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +11,7 @@
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/table_columns.h"

@@ -5,7 +5,8 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include "planar_servo/base/core/names.h"
+
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/io/columns.h"
 #include "planar_servo/learn/error_map/error_grid.h"
 

@@ -1,5 +1,7 @@
 #include "planar_servo/files/tables/result_table.h"
+
 #include <fmt/format.h>
+
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/columns.h"

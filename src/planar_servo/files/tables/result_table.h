@@ -6,7 +6,8 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include "planar_servo/base/core/names.h"
+
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/loop/servo/position_servo.h"
 #include "planar_servo/loop/servo/servo_result.h"
 

@@ -5,6 +5,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/columns.h"
+#include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/table_columns.h"
 
 namespace planar {
@@ -37,6 +38,106 @@ bool is_plan_without_places(const std::filesystem::path& path) {
     // it has no column plan, or a place by another name
   }
   return false;
+}
+
+struct PathRow {
+  Eigen::Vector2d p{0.0, 0.0};
+  std::optional<Eigen::Vector2d> via{};
+  std::optional<double> phi{};
+};
+
+const TableSchema<PathRow>& path_schema() {
+  static const TableSchema<PathRow> schema{
+      "path",
+      [](Columns& columns, PathRow& row) {
+        columns.point("x_mm", "y_mm", row.p, kMillimetre, 6);
+        columns.optional_point("via_x_mm", "via_y_mm", row.via, kMillimetre, 6, Column::kOptional);
+        columns.optional_number("phi_deg", row.phi, kDegree, 6, Column::kOptional);
+      },
+      UnendedRow::kRefused};
+  return schema;
+}
+
+/// Says why a row cannot be reached from the place before it; empty when it can.
+std::optional<Refusal> fault_of(const Waypoint& to, const Waypoint& from) {
+  if (!to.via && (to.pose.p - from.pose.p).norm() < kSamePoint_m)
+    return Refusal{"repeats the place before it", "leave the row out"};
+  const auto fault = to.via ? arc_fault(from.pose.p, *to.via, to.pose.p) : std::nullopt;
+  if (!fault) return std::nullopt;
+  return Refusal{*fault};
+}
+
+void list_number(Columns& columns, const std::string& column, const std::optional<double>& value) {
+  std::optional<double> field = value;
+  columns.optional_number(column, field, kMillimetre, 6, Column::kRequired);
+}
+
+/// Lists the columns that only a look which found the tool fills.
+void list_seen(Columns& columns, const PathLookRow& row) {
+  const TipMeasurement& m = row.look.measurement;
+  const auto number = [&](const char* column, double value, double unit) {
+    std::optional<double> field;
+    if (m.ok()) field = value;
+    columns.optional_number(column, field, unit, 6, Column::kRequired);
+  };
+  number("x_mm", m.tip.p.x(), kMillimetre);
+  number("y_mm", m.tip.p.y(), kMillimetre);
+  number("phi_deg", m.tip.phi, kDegree);
+  number("uncertainty_mm", m.uncertainty_m, kMillimetre);
+  number("across_mm", row.look.seen.across_m, kMillimetre);
+  number("lag_mm", row.lag_m(), kMillimetre);
+}
+
+const TableSchema<PathLookRow>& look_schema() {
+  static const TableSchema<PathLookRow> schema{
+      "path_looks", [](Columns& columns, PathLookRow& row) {
+        PathLook& look = row.look;
+        columns.choice("guided_by", row.guidance, kGuidances);
+        columns.number("speed_mm_s", row.speed_m_s, kMillimetre, 6);
+        columns.number("t_s", look.t_s, 1.0, 6);
+        columns.text("status", look.measurement.word);
+        columns.number("along_mm", look.along_m, kMillimetre, 6);
+        columns.point("x_d_mm", "y_d_mm", look.desired.p, kMillimetre, 6);
+        columns.number("phi_d_deg", look.desired.phi, kDegree, 6);
+        list_seen(columns, row);
+        columns.point("dx_correction_mm", "dy_correction_mm", look.correction, kMillimetre, 6);
+        list_joints(columns, look.theta);
+        list_number(columns, "across_mm_truth",
+                    row.truth ? std::optional(row.truth->across_m) : std::nullopt);
+        list_number(columns, "lag_mm_truth", row.lag_truth_m());
+      }};
+  return schema;
+}
+
+void list_errors(Columns& columns, const std::optional<PathErrors>& errors,
+                 const std::string& judge) {
+  const auto number = [&](const char* name, double PathErrors::*value) {
+    list_number(columns, name + judge, errors ? std::optional((*errors).*value) : std::nullopt);
+  };
+  const auto deviation = [&](const char* name, double Summary::*value) {
+    list_number(columns, name + judge,
+                errors ? std::optional(errors->across_m.*value) : std::nullopt);
+  };
+  deviation("deviation_mean_mm", &Summary::mean);
+  deviation("deviation_p95_mm", &Summary::p95);
+  deviation("deviation_max_mm", &Summary::max);
+  number("lag_mean_mm", &PathErrors::lag_mean_m);
+  number("lag_max_mm", &PathErrors::lag_max_m);
+}
+
+const TableSchema<PathSpeedResult>& result_schema_of_paths() {
+  static const TableSchema<PathSpeedResult> schema{
+      "path_results", [](Columns& columns, PathSpeedResult& result) {
+        columns.choice("guided_by", result.guidance, kGuidances);
+        columns.number("speed_mm_s", result.speed_m_s, kMillimetre, 6);
+        columns.choice("status", result.status, kServoStatuses);
+        columns.text("reason", result.reason);
+        columns.whole_number("looks", result.looks);
+        columns.number("seconds", result.seconds, 1.0, 3);
+        list_errors(columns, result.own_view, "_own_view");
+        list_errors(columns, result.truth, "_truth");
+      }};
+  return schema;
 }
 
 }  // namespace
@@ -89,6 +190,56 @@ std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end
 
 TableForm target_form() {
   return form_of(target_schema());
+}
+
+Path read_path(const std::filesystem::path& file, double tool_orientation) {
+  TableFile<PathRow> table(file, path_schema());
+  std::vector<Waypoint> waypoints;
+  for (PathRow row; table.next(row);) {
+    const Waypoint next{{row.p, row.phi.value_or(tool_orientation)}, row.via};
+    if (waypoints.empty() && row.via)
+      table.add_fault({"the first row is where the path begins", "its via columns must be empty"});
+    if (!waypoints.empty())
+      if (const auto fault = fault_of(next, waypoints.back())) table.add_fault(*fault);
+    waypoints.push_back(next);
+  }
+  table.throw_if_faulty_or_empty();
+  if (waypoints.size() < 2)
+    throw InputError({"a path needs at least two rows: its beginning and its end", "", file});
+  return Path(waypoints);
+}
+
+std::optional<double> PathLookRow::lag_truth_m() const {
+  if (!truth) return std::nullopt;
+  return look.along_now_m - truth->along_m;
+}
+
+std::string path_looks_header() {
+  return look_schema().header();
+}
+
+std::string path_look_line(const PathLookRow& row) {
+  return look_schema().line(row);
+}
+
+std::string path_results_header(const std::vector<std::string>& remarks) {
+  return result_schema_of_paths().header(remarks);
+}
+
+std::string path_result_line(const PathSpeedResult& result) {
+  return result_schema_of_paths().line(result);
+}
+
+TableForm path_form() {
+  return form_of(path_schema());
+}
+
+TableForm path_look_form() {
+  return form_of(look_schema());
+}
+
+TableForm path_result_form() {
+  return form_of(result_schema_of_paths());
 }
 
 }  // namespace planar

@@ -1,6 +1,13 @@
 #include "planar_servo/geometry/arm/found_arm.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "planar_servo/base/core/decompositions.h"
 
 namespace planar {
 namespace {
@@ -31,6 +38,56 @@ Eigen::Vector2d across(double psi) {
 /// Returns the frame in which the runout of axis 3 stands still.
 Eigen::Matrix2d runout_frame(const Eigen::Vector3d& psi) {
   return rotation2d(2.0 * psi[1] - psi[2]);
+}
+
+/// Smooth deviations that a fit did not find are assumed to be half as large as the scatter.
+constexpr double kUnseenShare = 0.5;
+// In an hour's work links grow like aluminium warmed by some 4 degrees, and zeros shift by 20 um at
+// 0.5 m; bearings wear over months.
+constexpr double kGrowthPerHour = 100e-6;
+constexpr double kTurnPerHour = 0.002 * kDegree;
+constexpr double kWearPerHour_m = 1e-6;
+/// A look with a smaller chance teaches nothing.
+constexpr double kLeastChance = 1e-3;
+
+/// Returns the covariance of the Gaussians' weights of a function of unit variance.
+Eigen::MatrixXd unit_weights(const PostureBasis& posture) {
+  const Eigen::Index m = posture.terms();
+  const auto inverse = solve_positive(posture.kernel_matrix(), Eigen::MatrixXd::Identity(m, m));
+  if (!inverse) throw std::invalid_argument("Gaussians over the posture are not apart");
+  return *inverse;
+}
+
+/// Adds the covariance of a smooth deviation of both axes.
+void add_deviation(Eigen::MatrixXd& covariance, const ArmForm& form, double sigma_m) {
+  const Eigen::Index m = form.posture.terms();
+  if (m == 0) return;
+  const Eigen::MatrixXd weights = sigma_m * sigma_m * unit_weights(form.posture);
+  for (const Eigen::Index first : {form.deviation(), form.deviation() + m})
+    covariance.block(first, first, m, m) += weights;
+}
+
+/// Returns the terms of an arm as it was found in a form that may have more Gaussians.
+Eigen::VectorXd found_terms(const FoundArm& found, const ArmForm& form) {
+  if (found.form.waves() != form.waves())
+    throw std::invalid_argument("what was learned is of another kind of arm");
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(form.terms());
+  if (found.form.posture.terms() == form.posture.terms()) return found.x;
+  x.head(form.deviation()) = found.x.head(form.deviation());
+  return x;
+}
+
+/// Returns by how much a change of zeros and waves turns each motor.
+Eigen::Array3d turns(const ArmForm& form, const Eigen::Vector3d& motors,
+                     const Eigen::VectorXd& change) {
+  Eigen::Array3d turned = change.segment<3>(2);
+  for (int wave = 0; wave < form.waves(); ++wave) {
+    const Eigen::Array3d angle = form.orders(wave) * motors.array();
+    const Eigen::Index first = ArmForm::kFirstWave + Eigen::Index{6} * wave;
+    turned += change.segment<3>(first).array() * angle.sin() +
+              change.segment<3>(first + 3).array() * angle.cos();
+  }
+  return turned;
 }
 
 }  // namespace
@@ -120,6 +177,106 @@ ArmForm::Jacobian ArmForm::jacobian(const Eigen::Vector3d& motors, const Eigen::
     J.row(1).tail(posture.terms()) = b;
   }
   return J;
+}
+
+Eigen::MatrixXd hourly_drift(const FoundArm& arm) {
+  const Eigen::Index n = arm.form.terms();
+  Eigen::MatrixXd drift = Eigen::MatrixXd::Zero(n, n);
+  drift.diagonal().head<2>() = (kGrowthPerHour * arm.link_lengths_m()).cwiseAbs2();
+  drift.diagonal().segment<3>(2).setConstant(kTurnPerHour * kTurnPerHour);
+  add_deviation(drift, arm.form, kWearPerHour_m);
+  return drift;
+}
+
+LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures) {
+  const PostureBasis posture =
+      postures.empty() ? PostureBasis{} : basis_over_postures(postures, found.form.posture.width);
+  return unlearned(std::move(found), posture);
+}
+
+LearnedArm unlearned(FoundArm found, const PostureBasis& posture) {
+  if (found.form.posture.terms() > 0 || posture.terms() == 0) {
+    const Eigen::MatrixXd covariance = found.factor * found.factor.transpose();
+    return {std::move(found), covariance};
+  }
+  const Eigen::Index columns = found.factor.cols();
+  found.form.posture = posture;
+  const Eigen::Index n = found.form.terms();
+  found.x.conservativeResizeLike(Eigen::VectorXd::Zero(n));
+  found.factor.conservativeResizeLike(Eigen::MatrixXd::Zero(n, columns));
+  Eigen::MatrixXd covariance = found.factor * found.factor.transpose();
+  add_deviation(covariance, found.form, kUnseenShare * found.scatter_m);
+  return {std::move(found), covariance};
+}
+
+ArmLearner::ArmLearner(const FoundArm& found, LearnedArm start)
+    : found_x_(found_terms(found, start.arm.form)),
+      learned_(std::move(start)),
+      drift_(hourly_drift(learned_.arm)),
+      kernel_(learned_.arm.form.posture.kernel_matrix()),
+      t_s_(std::numeric_limits<double>::quiet_NaN()) {
+  const Eigen::Index n = found_x_.size();
+  const FoundArm& arm = learned_.arm;
+  if (arm.x.size() != n || learned_.covariance.rows() != n || learned_.covariance.cols() != n ||
+      arm.factor.rows() != n || arm.factor.cols() != found.factor.cols())
+    throw std::invalid_argument("what was learned is of another arm");
+  learned_.covariance += drift_;
+}
+
+double ArmLearner::hours_since(double t_s) const {
+  return std::isnan(t_s_) ? 0.0 : std::max(0.0, t_s - t_s_) / kHour;
+}
+
+Lesson ArmLearner::take(const ArmLook& look, double t_s) {
+  learned_.covariance += hours_since(t_s) * drift_;
+  t_s_ = t_s;
+  FoundArm& arm = learned_.arm;
+  const Eigen::Matrix2Xd J = arm.form.jacobian(look.motors, arm.x).topRows<2>();
+  const Eigen::MatrixX2d with_sight =
+      learned_.covariance * J.transpose() + arm.factor * look.vision_rows.transpose();
+  const Eigen::Matrix2Xd vision_with_sight = J * arm.factor + look.vision_rows;
+  Eigen::Matrix2d sight = J * with_sight + look.vision_rows * vision_with_sight.transpose();
+  sight.diagonal().array() += look.sigma_m * look.sigma_m;
+  const Eigen::Matrix2d weight = sight.inverse();
+  const Eigen::Vector2d innovation = look.p - arm.form.tip(look.motors, arm.x).p;
+  if (std::exp(-0.5 * innovation.dot(weight * innovation)) < kLeastChance)
+    return Lesson::kUnexpected;
+  const Eigen::MatrixX2d gain = with_sight * weight;
+  const Eigen::VectorXd x = arm.x + gain * innovation;
+  if (beyond_caps(look.motors, x)) return Lesson::kBeyondCaps;
+  arm.x = x;
+  Eigen::MatrixXd& covariance = learned_.covariance;
+  covariance -= gain * with_sight.transpose();
+  covariance = 0.5 * (covariance + covariance.transpose()).eval();
+  arm.factor -= gain * vision_with_sight;
+  ++lessons_;
+  return Lesson::kTaken;
+}
+
+bool ArmLearner::beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const {
+  const ArmForm& form = learned_.arm.form;
+  const Eigen::VectorXd change = x - found_x_;
+  const Eigen::Index m = form.posture.terms();
+  if ((change.head<2>().array() / found_x_.head<2>().array()).abs().maxCoeff() > kMostGrowth)
+    return true;
+  // Zeros and waves may stand in for one another where a motor turns by less than a whole turn.
+  if (turns(form, motors, change).abs().maxCoeff() > kMostTurn) return true;
+  const Eigen::MatrixX2d deviation = kernel_ * change.tail(2 * m).reshaped(m, Eigen::Index{2});
+  return m > 0 && deviation.rowwise().norm().maxCoeff() > kMostDeviation_m;
+}
+
+Eigen::Matrix4d ArmLearner::landing_covariance(const Eigen::Vector3d& motors,
+                                               const Eigen::Matrix2Xd& vision_rows,
+                                               double t_s) const {
+  const FoundArm& arm = learned_.arm;
+  const Eigen::Matrix2Xd J = arm.form.jacobian(motors, arm.x).topRows<2>();
+  Eigen::Matrix4d covariance;
+  covariance.topLeftCorner<2, 2>() =
+      J * (learned_.covariance + hours_since(t_s) * drift_) * J.transpose();
+  covariance.topRightCorner<2, 2>() = J * arm.factor * vision_rows.transpose();
+  covariance.bottomLeftCorner<2, 2>() = covariance.topRightCorner<2, 2>().transpose();
+  covariance.bottomRightCorner<2, 2>() = vision_rows * vision_rows.transpose();
+  return covariance;
 }
 
 }  // namespace planar

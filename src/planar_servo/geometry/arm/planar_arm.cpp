@@ -1,10 +1,12 @@
 #include "planar_servo/geometry/arm/planar_arm.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include "planar_servo/base/core/names.h"
+
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/pose.h"
 
 namespace planar {

@@ -1,10 +1,169 @@
 #include "planar_servo/geometry/tool/vision_tip.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/statistics.h"
 #include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar {
+namespace {
+
+using Rows = std::vector<CoarseViewRow>;
+
+// With as many rows wrong ones can be told from right ones.
+constexpr std::size_t kRobustRows = 6;
+// Even with a third of the rows wrong, one of as many triples is almost surely free of them.
+constexpr int kTriples = 200;
+constexpr int kRobustRounds = 3;
+constexpr double kRowSigmas = 4.0;
+// The lens, which a homography does not model, makes no row an outlier; nor does perspective, which
+// an affine map does not model.
+constexpr double kLeastOutlierPx = 3.0;
+constexpr double kPerspectiveShare = 0.1;  // of the field
+// Points whose width over length is below this count as collinear.
+constexpr double kLeastWidth = 1e-3;
+// A homography whose singular values have a smaller ratio is not determined.
+constexpr double kLeastSingularRatio = 1e-4;
+
+bool is_finite(const CoarseViewRow& row) {
+  return row.p.allFinite() && row.uv_px.allFinite();
+}
+
+/// Returns the map that takes the points' centroid to 0 and their rms distance from it to 1.
+Eigen::Matrix3d normalisation(const Eigen::Matrix2Xd& points) {
+  const Eigen::Vector2d centre = points.rowwise().mean();
+  const double scale = std::sqrt((points.colwise() - centre).colwise().squaredNorm().mean());
+  Eigen::Matrix3d T = Eigen::Matrix3d::Identity();
+  T.topRows<2>() << Eigen::Matrix2d::Identity() / scale, -centre / scale;
+  return T;
+}
+
+bool are_collinear(const Eigen::Matrix2Xd& points) {
+  const Eigen::Matrix2Xd centred = points.colwise() - points.rowwise().mean();
+  const Eigen::Matrix2d scatter = centred * centred.transpose();
+  const Eigen::Vector2d spread = symmetric_eigenvalues(scatter);
+  return !(spread(0) > kLeastWidth * kLeastWidth * spread(1));
+}
+
+struct PointSets {
+  explicit PointSets(const Rows& rows) : p(2, rows.size()), uv(2, rows.size()) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      p.col(i) = rows[i].p;
+      uv.col(i) = rows[i].uv_px;
+    }
+  }
+  Eigen::Matrix2Xd p, uv;
+};
+
+std::optional<Eigen::Matrix3d> fit_affine(const Rows& rows) {
+  const PointSets sets(rows);
+  if (are_collinear(sets.p) || are_collinear(sets.uv)) return std::nullopt;
+  const Eigen::Vector2d p_mean = sets.p.rowwise().mean(), uv_mean = sets.uv.rowwise().mean();
+  const Eigen::Matrix2Xd p = sets.p.colwise() - p_mean;
+  const Eigen::Matrix2d A =
+      (sets.uv.colwise() - uv_mean) * p.transpose() * (p * p.transpose()).inverse();
+  Eigen::Matrix3d H = Eigen::Matrix3d::Identity();
+  H.topRows<2>() << A, uv_mean - A * p_mean;
+  return H;
+}
+
+std::optional<Eigen::Matrix3d> fit_homography(const Rows& rows) {
+  const PointSets sets(rows);
+  const Eigen::Matrix3d normalise_p = normalisation(sets.p), normalise_uv = normalisation(sets.uv);
+  Eigen::Matrix<double, Eigen::Dynamic, 9> M(2 * rows.size(), 9);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Eigen::RowVector3d p = (normalise_p * rows[i].p.homogeneous()).transpose();
+    const Eigen::Vector3d uv = normalise_uv * rows[i].uv_px.homogeneous();
+    M.row(2 * i) << p, Eigen::RowVector3d::Zero(), -uv.x() * p;
+    M.row(2 * i + 1) << Eigen::RowVector3d::Zero(), p, -uv.y() * p;
+  }
+  const SingularValues svd = singular_values(M);
+  if (svd.values(7) < kLeastSingularRatio * svd.values(0)) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> h = svd.V.col(8);
+  const Eigen::Matrix3d normalised =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
+  Eigen::Matrix3d H = normalise_uv.inverse() * normalised * normalise_p;
+  // The sign is chosen so that the points lie in front of the camera, as they all must.
+  const Eigen::RowVectorXd depth = H.row(2) * sets.p.colwise().homogeneous();
+  if (depth.minCoeff() < 0.0 && depth.maxCoeff() > 0.0) return std::nullopt;
+  return depth.sum() < 0.0 ? Eigen::Matrix3d(-H) : H;
+}
+
+std::optional<Eigen::Matrix3d> fit_best(const Rows& rows) {
+  std::optional<Eigen::Matrix3d> affine = fit_affine(rows);
+  if (!affine || rows.size() < kRobustRows) return affine;
+  const std::optional<Eigen::Matrix3d> homography = fit_homography(rows);
+  return homography ? homography : affine;
+}
+
+std::vector<double> residuals_px(const Eigen::Matrix3d& H_IB, const Rows& rows) {
+  const CoarseView view(H_IB);
+  std::vector<double> residuals;
+  for (const CoarseViewRow& row : rows) {
+    const std::optional<Eigen::Vector2d> uv = view.pixel(row.p);
+    residuals.push_back(uv ? (*uv - row.uv_px).norm() : std::numeric_limits<double>::max());
+  }
+  return residuals;
+}
+
+/// Returns the affine map through three rows with the least median residual [Rousseeuw 1984].
+std::optional<Eigen::Matrix3d> fit_least_median(const Rows& rows) {
+  std::optional<Eigen::Matrix3d> best;
+  double best_median = std::numeric_limits<double>::max();
+  std::mt19937 random(1);
+  for (int k = 0; k < kTriples; ++k) {
+    Rows triple;
+    std::sample(rows.begin(), rows.end(), std::back_inserter(triple), 3, random);
+    const std::optional<Eigen::Matrix3d> H = fit_affine(triple);
+    if (!H) continue;
+    const double middle = median(residuals_px(*H, rows));
+    if (middle < best_median) {
+      best_median = middle;
+      best = H;
+    }
+  }
+  return best;
+}
+
+/// Returns the rows whose residual is within kRowSigmas, judged by the median residual, or
+/// within `least_px`.
+Rows inliers(const Eigen::Matrix3d& H_IB, const Rows& rows, double least_px) {
+  constexpr double kSigmaPerMedian = 1.0 / 1.1774;  // of the length of a normal 2-vector
+  const std::vector<double> residuals = residuals_px(H_IB, rows);
+  const double limit = std::max(least_px, kRowSigmas * kSigmaPerMedian * median(residuals));
+  Rows kept;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (residuals[i] <= limit) kept.push_back(rows[i]);
+  return kept;
+}
+
+/// Returns the size of the seen part of the image: the median distance from the median pixel.
+double field_px(const Rows& rows) {
+  std::vector<double> u, v, distances;
+  for (const CoarseViewRow& row : rows) {
+    u.push_back(row.uv_px.x());
+    v.push_back(row.uv_px.y());
+  }
+  const Eigen::Vector2d middle(median(u), median(v));
+  for (const CoarseViewRow& row : rows) distances.push_back((row.uv_px - middle).norm());
+  return median(distances);
+}
+
+std::optional<Eigen::Matrix3d> fit_robust(const Rows& rows) {
+  std::optional<Eigen::Matrix3d> H = fit_least_median(rows);
+  if (H) H = fit_best(inliers(*H, rows, kPerspectiveShare * field_px(rows)));
+  for (int round = 0; round < kRobustRounds && H; ++round)
+    H = fit_best(inliers(*H, rows, kLeastOutlierPx));
+  return H;
+}
+
+}  // namespace
 
 std::array<Eigen::Vector2d, 2> lamp_eccentricities_px(
     const Workplane& workplane, const std::array<Eigen::Vector2d, 2>& lamps_px,
@@ -78,6 +237,30 @@ std::optional<std::array<Eigen::Vector2d, 2>> lamps_from_tip(const Workplane& wo
   const auto second = workplane.pixel_from_plane(middle + half);
   if (!first || !second) return std::nullopt;
   return std::array<Eigen::Vector2d, 2>{*first, *second};
+}
+
+std::optional<Eigen::Vector2d> CoarseView::pixel(const Eigen::Vector2d& p) const {
+  const Eigen::Vector3d uvw = H_IB_ * p.homogeneous();
+  if (!(uvw.z() > 0.0) || !uvw.allFinite()) return std::nullopt;
+  return uvw.hnormalized();
+}
+
+std::optional<Eigen::Vector2d> CoarseView::direction(const Eigen::Vector2d& p, double phi) const {
+  const std::optional<Eigen::Vector2d> uv = pixel(p);
+  if (!uv) return std::nullopt;
+  // J is d(uv)/dp times the depth, which is positive.
+  const Eigen::Matrix2d J = H_IB_.topLeftCorner<2, 2>() - *uv * H_IB_.bottomLeftCorner<1, 2>();
+  return (J * Eigen::Vector2d(std::cos(phi), std::sin(phi))).normalized();
+}
+
+std::optional<CoarseView> fit_coarse_view(const std::vector<CoarseViewRow>& rows) {
+  Rows finite;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(finite), is_finite);
+  if (finite.size() < 3) return std::nullopt;
+  const std::optional<Eigen::Matrix3d> H =
+      finite.size() < kRobustRows ? fit_affine(finite) : fit_robust(finite);
+  if (!H) return std::nullopt;
+  return CoarseView(*H);
 }
 
 }  // namespace planar

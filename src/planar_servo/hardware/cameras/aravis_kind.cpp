@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "planar_servo/base/core/clock.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/hardware/cameras/aravis_camera.h"

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <vector>
+
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/arm/joint_planner.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/geometry/arm/transmission.h"

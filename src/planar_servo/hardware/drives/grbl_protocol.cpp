@@ -9,7 +9,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
 #include "planar_servo/base/core/text.h"
 
 namespace planar::grbl {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar::tic {
 namespace {

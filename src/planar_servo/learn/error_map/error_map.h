@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/learn/error_map/error_sample.h"
 #include "planar_servo/learn/error_map/maps/rbf_map.h"
 

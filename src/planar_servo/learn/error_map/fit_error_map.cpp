@@ -1,11 +1,14 @@
 #include "planar_servo/learn/error_map/fit_error_map.h"
+
 #include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
+
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"

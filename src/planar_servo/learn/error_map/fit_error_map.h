@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/operator.h"
 #include "planar_servo/learn/error_map/cross_validation.h"
 #include "planar_servo/learn/error_map/error_map.h"

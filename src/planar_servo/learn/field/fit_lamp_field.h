@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
 #include "planar_servo/base/core/operator.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/learn/error_map/fit_error_map.h"
 #include "planar_servo/learn/field/held_out.h"
 #include "planar_servo/learn/field/joint_estimate.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <vector>
+
 #include "planar_servo/geometry/arm/found_arm.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/loop/servo/motion_guard.h"

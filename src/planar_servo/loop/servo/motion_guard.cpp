@@ -1,7 +1,10 @@
 #include "planar_servo/loop/servo/motion_guard.h"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
 #include <cmath>
+
 #include "planar_servo/base/core/text.h"
 
 namespace planar {

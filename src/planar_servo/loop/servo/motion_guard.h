@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"

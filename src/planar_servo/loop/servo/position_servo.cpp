@@ -1,12 +1,15 @@
 #include "planar_servo/loop/servo/position_servo.h"
+
 #include <visp3/visual_features/vpGenericFeature.h>
 #include <visp3/vs/vpAdaptiveGain.h>
 #include <visp3/vs/vpServo.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include "planar_servo/base/core/names.h"
+
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 
 namespace planar {

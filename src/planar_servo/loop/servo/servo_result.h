@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/geometry/arm/transmission.h"
 #include "planar_servo/loop/servo/tip_sensor.h"

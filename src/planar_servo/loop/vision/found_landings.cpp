@@ -1,12 +1,15 @@
 #include "planar_servo/loop/vision/found_landings.h"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"

@@ -4,8 +4,9 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/geometry/arm/arm_learner.h"
+#include "planar_servo/geometry/arm/found_arm.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/geometry/arm/transmission.h"
 #include "planar_servo/learn/field/lamp_field.h"

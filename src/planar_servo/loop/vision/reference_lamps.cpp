@@ -1,10 +1,13 @@
 #include "planar_servo/loop/vision/reference_lamps.h"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/lamps/lamp_center.h"
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/lamps/lamp.h"

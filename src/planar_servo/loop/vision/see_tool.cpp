@@ -1,6 +1,8 @@
 #include "planar_servo/loop/vision/see_tool.h"
+
 #include <algorithm>
 #include <cmath>
+
 #include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {

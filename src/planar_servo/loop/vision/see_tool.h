@@ -6,13 +6,13 @@
 #include <optional>
 #include <variant>
 #include <vector>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/lens/workplane.h"
-#include "planar_servo/geometry/tool/coarse_view.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/lamp_tracker.h"

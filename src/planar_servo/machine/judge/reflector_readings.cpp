@@ -1,9 +1,12 @@
 #include "planar_servo/machine/judge/reflector_readings.h"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"

@@ -1,10 +1,12 @@
 #include "planar_servo/machine/rehearsal/served_cell.h"
+
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -12,11 +14,11 @@
 #include <memory>
 #include <utility>
 #include <vector>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/rehearsal/cell_commands.h"
 #include "planar_servo/machine/rehearsal/gige_camera.h"
 #include "planar_servo/machine/rehearsal/grbl_motors.h"
 #include "planar_servo/machine/rehearsal/live_cell.h"

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 #include <variant>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/threads.h"
 #include "planar_servo/base/devices/tracker.h"

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "planar_servo/machine/trackers/reading_stream.h"
+#include "planar_servo/machine/trackers/stream_tracker.h"
 
 namespace planar {
 

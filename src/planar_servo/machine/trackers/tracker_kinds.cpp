@@ -1,19 +1,21 @@
 #include "planar_servo/machine/trackers/tracker_kinds.h"
+
 #include <fmt/format.h>
+
 #include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/csv_table.h"
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/machine/trackers/line_feeds.h"
-#include "planar_servo/machine/trackers/reading_stream.h"
 #include "planar_servo/machine/trackers/stream_tracker.h"
 
 namespace planar {

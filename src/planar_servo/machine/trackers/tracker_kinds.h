@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+
 #include "planar_servo/base/core/operator.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/files/tables/tracker_table.h"

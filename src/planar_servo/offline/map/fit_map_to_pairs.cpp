@@ -1,12 +1,15 @@
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <utility>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"

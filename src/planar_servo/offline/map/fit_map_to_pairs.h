@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/operator.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/files/tables/pair_table.h"

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/loop/health/cause.h"

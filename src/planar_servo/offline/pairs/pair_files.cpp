@@ -2,7 +2,7 @@
 
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/tables/lamp_table.h"
+#include "planar_servo/files/tables/pair_table.h"
 
 namespace planar {
 

@@ -8,7 +8,6 @@
 #include "planar_servo/calibration/readings/tracker_clock.h"
 #include "planar_servo/calibration/tracker_registration.h"
 #include "planar_servo/calibration/workplane_calibration.h"
-#include "planar_servo/files/tables/lamp_table.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/tracker_table.h"

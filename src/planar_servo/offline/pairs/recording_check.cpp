@@ -1,10 +1,13 @@
 #include "planar_servo/offline/pairs/recording_check.h"
+
 #include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
+
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/text.h"

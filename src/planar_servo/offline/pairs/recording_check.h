@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/pairing.h"
 #include "planar_servo/calibration/readings/change_point.h"

@@ -1,12 +1,15 @@
 #include "planar_servo/offline/paper/page.h"
+
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <fmt/format.h>
+
 #include <cmath>
 #include <memory>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"

@@ -1,5 +1,7 @@
 #include "planar_servo/offline/plan/proposed_plan.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,6 +10,7 @@
 #include <random>
 #include <set>
 #include <utility>
+
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"

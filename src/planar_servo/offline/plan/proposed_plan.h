@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 #include <vector>
+
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/hardware/cell/cell_settings.h"

@@ -1,8 +1,11 @@
 #include "planar_servo/report/live/record_view.h"
+
 #include <visp3/core/vpImageDraw.h>
+
 #include <algorithm>
 #include <sstream>
 #include <utility>
+
 #include "planar_servo/report/live/live_view.h"
 
 namespace planar {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/report/live/live_view.h"
 
 namespace planar {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 
@@ -173,7 +173,7 @@ Truth draw_workshop_truth(std::uint32_t seed);
 Truth draw_rough_truth(std::uint32_t seed);
 
 /// Draws a cell of the paper's kind whose arm, air and tracker have what real ones have and no
-/// estimator models; see draw_real_arms.cpp. Such an arm is an industrial one, or a hobbyist's.
+/// estimator models; see draw_truth.cpp. Such an arm is an industrial one, or a hobbyist's.
 Truth draw_ordinary_truth(std::uint32_t seed);
 Truth draw_cheap_truth(std::uint32_t seed);
 

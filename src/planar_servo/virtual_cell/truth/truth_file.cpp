@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "planar_servo/base/core/names.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/yaml_reader.h"

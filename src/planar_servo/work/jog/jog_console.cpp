@@ -1,5 +1,7 @@
 #include "planar_servo/work/jog/jog_console.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,6 +10,7 @@
 #include <sstream>
 #include <string_view>
 #include <utility>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/vision/lamp_tip_sensor.h"
 #include "planar_servo/machine/device_kinds.h"

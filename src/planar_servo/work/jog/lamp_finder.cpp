@@ -1,9 +1,12 @@
 #include "planar_servo/work/jog/lamp_finder.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"

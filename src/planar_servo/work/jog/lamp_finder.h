@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/loop/vision/see_tool.h"

@@ -1,9 +1,12 @@
 #include "planar_servo/work/record/board_source.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/loop/servo/motion_guard.h"

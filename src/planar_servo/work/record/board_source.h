@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/operator.h"
 #include "planar_servo/base/devices/frame_source.h"

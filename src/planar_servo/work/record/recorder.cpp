@@ -15,7 +15,7 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/tracker_table.h"
-#include "planar_servo/geometry/tool/coarse_view.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/loop/servo/motion_guard.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/names.h"
 #include "planar_servo/base/core/operator.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/calibration/board.h"

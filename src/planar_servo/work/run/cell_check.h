@@ -17,7 +17,7 @@
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/vision/lamp_tip_sensor.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/work/run/check_ways.h"
+#include "planar_servo/work/run/dry_run.h"
 
 namespace planar {
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,9 +11,59 @@
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/health/health_record.h"
 #include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
+
+/// Says in what order an arm visits places, and which of them it cannot.
+struct VisitPlan {
+  std::vector<std::size_t> order;
+  std::vector<std::string> barred;  ///< a place and what forbids it, each
+};
+
+/// Plans where a check of a cell moves the arm. Nothing moves.
+class CheckWays {
+ public:
+  /// The first moves of motors 1 to 3, in which a gear that is off by 0.5 % shows beside the
+  /// reducers' eccentricity, radians.
+  static Eigen::Vector3d first_moves();
+
+  /// Says whether the lamps of a tool at this pose can be in the camera's view.
+  using Views = std::function<bool(const TipPose&)>;
+
+  CheckWays(const CellSettings& cell, Views views);
+
+  /// Returns the present joints where first moves may be made there, or else those of an allowed
+  /// place on a ring in the middle of the workspace, the nearest first.
+  std::optional<Joints> start(const Joints& present) const;
+  /// Returns the joints with one motor turned as far as the first moves want and the cell allows.
+  Joints with_motor_turned(const Joints& theta, int motor) const;
+  /// Visits from `theta` the nearest place first, always; one that is barred at first may be open
+  /// from another place.
+  VisitPlan visits(Joints theta, const std::vector<HealthPlace>& places) const;
+  /// Returns whether the arm may arrive at `theta` from where it rests and is seen there.
+  bool allows(const Joints& from, const Joints& theta) const;
+
+ private:
+  const CellSettings& cell_;
+  Views views_;
+  JointPlanner planner_;
+};
+
+/// What the ways of the first check of a cell come to.
+struct ForeseenCheck {
+  Joints end{0.0, 0.0, 0.0};       ///< where it leaves the arm
+  std::optional<Refusal> doubt{};  ///< what of it cannot be done
+  bool refused{false};             ///< nothing of it can
+};
+
+/// Plans the check of a cell whose arm stands at home. Without `vision` every place is in view.
+ForeseenCheck foresee_check(const CellSettings& cell,
+                            const std::optional<VisionCalibration>& vision);
+
+/// Says that places of a check are left out; `places` is how many there are.
+std::string barred_text(const std::vector<std::string>& barred, std::size_t places);
 
 /// Holds the joints and pulses that a target's first, open-loop move would command. The plan holds
 /// a refusal in words where the arm would not move.

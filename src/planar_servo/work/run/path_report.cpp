@@ -1,9 +1,12 @@
 #include "planar_servo/work/run/path_report.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iterator>
+
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/yaml_writer.h"

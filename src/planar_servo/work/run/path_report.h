@@ -2,7 +2,8 @@
 
 #include <string>
 #include <vector>
-#include "planar_servo/files/tables/path_tables.h"
+
+#include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/servo/path/path.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/files/tables/path_tables.h"
+#include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/servo/path/path_follower.h"
 #include "planar_servo/work/run/ready_cell.h"
 #include "planar_servo/work/run/run_folder.h"

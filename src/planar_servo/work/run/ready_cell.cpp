@@ -1,10 +1,13 @@
 #include "planar_servo/work/run/ready_cell.h"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
 #include <exception>
 #include <limits>
 #include <stdexcept>
 #include <variant>
+
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/arm_file.h"

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/hardware/cell/cell_settings.h"

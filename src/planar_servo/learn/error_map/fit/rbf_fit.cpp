@@ -1,4 +1,5 @@
 #include "planar_servo/learn/error_map/fit/rbf_fit.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <utility>
 #include <vector>
+
 #include "planar_servo/learn/error_map/error_sample.h"
 #include "planar_servo/learn/error_map/maps/rbf_basis.h"
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <vector>
+
 #include "planar_servo/learn/error_map/fit/map_sites.h"
 #include "planar_servo/learn/error_map/maps/rbf_basis.h"
 #include "planar_servo/learn/error_map/maps/rbf_map.h"

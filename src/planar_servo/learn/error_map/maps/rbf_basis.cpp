@@ -1,6 +1,8 @@
 #include "planar_servo/learn/error_map/maps/rbf_basis.h"
+
 #include <cmath>
 #include <utility>
+
 #include "planar_servo/base/core/decompositions.h"
 
 namespace planar {

@@ -1,9 +1,12 @@
 #include "planar_servo/learn/error_map/maps/rbf_map.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <vector>
+
 #include "planar_servo/learn/error_map/error_sample.h"
 #include "planar_servo/learn/error_map/fit/map_sites.h"
 #include "planar_servo/learn/error_map/maps/rbf_basis.h"

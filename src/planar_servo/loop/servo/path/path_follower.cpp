@@ -1,10 +1,13 @@
 #include "planar_servo/loop/servo/path/path_follower.h"
+
 #include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/loop/servo/motion_guard.h"

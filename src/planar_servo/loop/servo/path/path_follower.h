@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/geometry/arm/planar_arm.h"

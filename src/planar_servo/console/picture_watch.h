@@ -3,19 +3,34 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/lamps/lamp_detector.h"
 #include "planar_servo/loop/vision/see_tool.h"
+#include "planar_servo/machine/device_kinds.h"
 
 namespace planar {
+
+/// Is told, on the thread that uses the devices, what they say whenever they are asked.
+struct DeviceWatch {
+  std::function<void(const Frame&)> frame;
+  std::function<void(const std::optional<std::string>&)> camera_fault;
+  std::function<void(const std::array<DriveStatus, 3>&)> drives;
+};
+
+/// Returns the devices of a cell such that `watch` sees what passes. The clock of a virtual cell
+/// runs in real time then: who waits by it waits.
+std::unique_ptr<CellDevices> watched(std::unique_ptr<CellDevices> devices, bool is_virtual,
+                                     DeviceWatch watch);
 
 /// Holds what the camera has shown last, and encodes it once for all readers, when the first one
 /// asks for it.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "planar_servo/calibration/board.h"
+#include "planar_servo/lamps/lamp.h"
 #include "planar_servo/offline/paper/page.h"
 #include "planar_servo/report/report_list.h"
 
@@ -27,5 +28,26 @@ BoardPage board_page(const std::string& words, const std::string& page);
 
 /// Lists what was drawn.
 ReportList board_page_list(const BoardPage& drawn);
+
+/// Where lamps and reflector are to be mounted on the tool, in metres.
+struct ToolMount {
+  LampLayout lamps;                   ///< the end point lies midway between them
+  Eigen::Vector2d p_TS{0.0, -0.020};  ///< the reflector in the tool's frame T
+  double ball_diameter{0.0381};       ///< of the reflector: an inch and a half
+};
+
+/// The tool drawn on a page.
+struct ToolPage {
+  ToolMount mount;
+  Page page;
+  Eigen::Vector2d end_point_mm{0.0, 0.0};  ///< on the page
+};
+
+/// Draws the tool from above, x_T to the right, on the page that is stated (see stated_page_mm())
+/// or on one just large enough. Throws InputError when two parts overlap, and for too small a page.
+ToolPage tool_page(const ToolMount& mount, const std::string& page);
+
+/// Lists what was drawn.
+ReportList tool_page_list(const ToolPage& drawn);
 
 }  // namespace planar

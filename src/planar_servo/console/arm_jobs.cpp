@@ -1,0 +1,265 @@
+#include "planar_servo/console/arm_jobs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/passing_folder.h"
+#include "planar_servo/base/io/terminal.h"
+#include "planar_servo/certificate/certificate_report.h"
+#include "planar_servo/console/json_values.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/work/record/recorder.h"
+#include "planar_servo/work/run/path_report.h"
+
+namespace planar {
+namespace {
+
+constexpr std::size_t kMostFileName = 64;
+
+void require_file_name(const std::string& name, const char* where) {
+  constexpr char kAllowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  if (name.empty() || name.size() > kMostFileName || name[0] == '.' ||
+      name.find_first_not_of(kAllowed) != name.npos)
+    throw InputError({fmt::format("is '{}'", name),
+                      fmt::format("take up to {} letters, digits, - . and _", kMostFileName),
+                      where});
+}
+
+RecordingState state_of(const RecordView& view) {
+  RecordingState state{view.title, view.now, view.counts, {}, {}, view.here_B};
+  for (const RecordView::Place& place : view.places)
+    state.places.push_back({place.p_B, place.mark == PlaceMark::kToDo   ? "to_do"
+                                       : place.mark == PlaceMark::kDone ? "done"
+                                                                        : "left_out"});
+  for (const RecordView::Point& monument : view.monuments)
+    state.monuments.emplace_back(monument.id, monument.p_B);
+  return state;
+}
+
+/// Returns how a certificate ended, in words.
+std::string words_of(const Certificate& certificate) {
+  if (!certificate.run.ended_by.empty())
+    return fmt::format(
+        "{}; the cell is in doubt and no further move was made: mend it, then begin the same "
+        "certificate again to continue",
+        certificate.run.ended_by);
+  const CellAccuracy& accuracy = certificate.accuracy;
+  std::string words = fmt::format("{} of {} moves reached and judged by the {}", accuracy.judged,
+                                  accuracy.moves, name_in(kJudgeKinds, certificate.run.judge));
+  for (const auto& [name, figure] : worst_pose_figures(accuracy))
+    words += fmt::format("; {} {}", name, figure);
+  return words;
+}
+
+void require_size(const CertificateSize& size) {
+  const auto require = [](const char* what, int count, int least, int most) {
+    if (count < least || count > most)
+      throw InputError(
+          {fmt::format("is {}", count), fmt::format("take {} to {}", least, most), what});
+  };
+  require("cycles", size.cycles, CertificateSize::kLeastCycles, CertificateSize::kMostCycles);
+  require("targets", size.targets, 1, CertificateSize::kMostTargets);
+}
+
+namespace fs = std::filesystem;
+
+constexpr char kPath[] = "the path";
+/// Arcs are drawn by lines that turn so far, radians.
+constexpr double kDrawnTurn = 0.05;
+
+/// Reads a path from the text of a table.
+Path path_in(const std::string& csv, double tool_orientation) {
+  const PassingFolder folder("planar-console");
+  const fs::path file = folder.path() / kPath;
+  write_file(file, csv);
+  try {
+    return read_path(file, tool_orientation);
+  } catch (const InputError& e) {
+    std::vector<Refusal> refusals = e.refusals();
+    const std::string above = folder.path().string() + "/";
+    for (Refusal& refusal : refusals)
+      if (refusal.where.rfind(above, 0) == 0) refusal.where.erase(0, above.size());
+    throw InputError(refusals, 0);
+  }
+}
+
+std::vector<Eigen::Vector2d> drawn(const Path& path) {
+  std::vector<Eigen::Vector2d> places{path.at(0.0).pose.p};
+  for (const PathSegment& segment : path.segments()) {
+    const double turn = std::abs(segment.curvature()) * segment.length_m();
+    const int lines = 1 + static_cast<int>(turn / kDrawnTurn);
+    for (int i = 1; i <= lines; ++i)
+      places.push_back(segment.at(segment.length_m() * i / lines).pose.p);
+  }
+  return places;
+}
+
+std::size_t whole_mm(double metres) {
+  return static_cast<std::size_t>(std::lround(mm(metres)));
+}
+
+/// Returns how a path went, in words: as it was seen, or else why its end was not reached.
+std::string words_of(const PathSpeedResult& result) {
+  std::string words = fmt::format("{:g} mm/s by {}: {}", result.speed_m_s / kMillimetre,
+                                  name_in(kGuidances, result.guidance), name(result.status));
+  if (!result.reason.empty()) return words + ": " + result.reason;
+  if (!result.own_view) return words;
+  const Summary& across = result.own_view->across_m;
+  return words + fmt::format(", {:.4f} mm off the path in the mean, {:.4f} mm at most, as seen",
+                             mm(across.mean), mm(across.max));
+}
+
+}  // namespace
+
+int RecordingJob::begin(const RecordingOrder& order, StopsKnown known) {
+  require_file_name(order.plan, "plan");
+  require_file_name(order.out, "out");
+  RecordRequest wanted;
+  wanted.cell = cell_.settings();
+  wanted.plan = read_plan(cell_.folder() / order.plan, wanted.cell.tool_orientation);
+  wanted.recording = cell_.folder() / order.out;
+  wanted.on_bad_reading = value_in(kBadReadings, order.on_bad_reading, "on_bad_reading");
+  if (!order.board.empty()) wanted.board = parse_board(order.board, BoardUse::kShape);
+  const auto record_all = [this, wanted](CellDevices& devices, const CellJobs::Stop& stop,
+                                         const CellJobs::Begun& begun) -> CellJobs::Ending {
+    bool is_begun = false;
+    const auto begin_once = [&] {
+      if (!std::exchange(is_begun, true)) begun(0, wanted.plan.size());
+    };
+    RecordRequest request = wanted;
+    request.stop = stop;
+    const auto at_page = std::make_shared<PageOperator>(board_, stop, begin_once);
+    request.person = at_page;
+    request.watch = [&](const RecordView& view) {
+      begin_once();
+      board_.change([&](CellState& state) {
+        state.recording = state_of(view);
+        state.job->done = static_cast<std::size_t>(
+            std::count_if(view.places.begin(), view.places.end(),
+                          [](const auto& place) { return place.mark != PlaceMark::kToDo; }));
+      });
+    };
+    const auto seated = seat_.take(at_page);
+    const RecordReport report = record(request, devices);
+    begin_once();
+    const std::string skipped =
+        report.skipped.empty() ? "" : fmt::format(", {} left out", report.skipped.size());
+    return {fmt::format("{} positions recorded ({} were there before){}", report.recorded,
+                        report.present, skipped),
+            report.skipped.empty()};
+  };
+  return jobs_.begin(Doing::kRecording, "record", order.out, known, record_all);
+}
+
+int CertificateJob::begin(const std::string& name, const CertificateSize& size, StopsKnown known) {
+  require_size(size);
+  const std::filesystem::path out = jobs_.folder(name);
+  const auto work = [=](CellDevices& devices, const CellJobs::Stop& stop,
+                        const CellJobs::Begun& begun) {
+    CertificateRequest request{jobs_.request(stop), size, jobs_.watch()};
+    request.servo.out = out;
+    return certify(request, devices, begun);
+  };
+  return jobs_.begin(Doing::kRunning, "certificate", name, known, work);
+}
+
+CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, CellDevices& devices,
+                                         const CellJobs::Begun& begun) {
+  const auto at_page = std::make_shared<PageOperator>(board_, request.servo.stop, [] {});
+  const auto seated = seat_.take(at_page);
+  devices.tracker().ask_of(at_page);
+  const std::shared_ptr<void> given_back(
+      nullptr, [&](void*) { devices.tracker().ask_of(std::make_shared<Terminal>()); });
+  const auto lend = [&](const CellSettings& /*cell*/) {
+    return std::shared_ptr<CellDevices>(std::shared_ptr<void>(), &devices);
+  };
+  bool is_begun = false;
+  const Certificate certificate =
+      certificate_of(run_certificate(request, lend, [&](std::size_t done, std::size_t all) {
+        if (!std::exchange(is_begun, true)) return begun(done, all);
+        jobs_.show_progress(done, all);
+      }));
+  if (!is_begun) begun(certificate.run.moves.size(), certificate.run.moves.size());
+  write_certificate(certificate);
+  const std::string words = words_of(certificate);
+  jobs_.hold(certificate.run.ended_by.empty() ? "" : words);
+  return {words, certificate.all_count()};
+}
+
+void PathJob::load(const std::string& csv) {
+  std::optional<Table> table;
+  if (csv.find_first_not_of(" \r\n") != csv.npos) {
+    table.emplace(Table{csv, path_in(csv, cell_.settings().tool_orientation)});
+    require_followable(cell_.settings(), {kPath, table->path, {}, {kSlowest_m_s}});
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_ = std::move(table);
+}
+
+nlohmann::ordered_json PathJob::json() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!table_)
+    return {{"csv", ""}, {"length_mm", 0.0}, {"places_mm", nlohmann::ordered_json::array()}};
+  return {{"csv", table_->csv},
+          {"length_mm", json_number(mm(table_->path.length_m()))},
+          {"places_mm", json_list(drawn(table_->path), json_mm)}};
+}
+
+int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm_s,
+                   const std::vector<Guidance>& guidances, StopsKnown known) {
+  const fs::path out = jobs_.folder(name);
+  std::optional<Table> table;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    table = table_;
+  }
+  if (!table) throw InputError(Refusal{"there is no path", "load one"});
+  PathRequest path{kPath, table->path, guidances, path_speeds(speeds_mm_s)};
+  if (speeds_mm_s.empty() || guidances.empty())
+    throw InputError({"it is to be followed no time", "name a speed and what guides it", kPath});
+  require_followable(cell_.settings(), path);
+  path.file = out / "path.csv";
+  return jobs_.begin(Doing::kRunning, "path", name, known,
+                     [=, csv = table->csv](CellDevices& devices, const CellJobs::Stop& stop,
+                                           const CellJobs::Begun& begun) {
+                       ServoRequest request = jobs_.request(stop);
+                       request.out = out;
+                       return follow(request, path, csv, devices, begun);
+                     });
+}
+
+CellJobs::Ending PathJob::follow(const ServoRequest& request, const PathRequest& path,
+                                 const std::string& csv, CellDevices& devices,
+                                 const CellJobs::Begun& begun) {
+  std::vector<std::string> words;
+  PathRun run(request, path, devices,
+              [&](const PathLookRow& row) { show(row, path, words.size()); });
+  const std::size_t passes = path.guidances.size() * path.speeds_m_s.size();
+  begun(0, whole_mm(static_cast<double>(passes) * path.path.length_m()));
+  write_file(path.file, csv);
+  const bool reached = follow_path(run, path, [&](const PathSpeedResult& result) {
+    words.push_back(words_of(result));
+    jobs_.tell_result(path_list(path, {result}).json()["speeds"][0]);
+  });
+  write_path_run(request, path, run);
+  jobs_.hold(run.ended_by().value_or(""));
+  return {fmt::format("{}", fmt::join(words, "; ")), reached};
+}
+
+void PathJob::show(const PathLookRow& row, const PathRequest& path, std::size_t passed) {
+  jobs_.show_look(row.look.measurement, row.look.measurement.tip.p);
+  const double length_m = path.path.length_m();
+  const std::size_t passes = path.guidances.size() * path.speeds_m_s.size();
+  double left_s = (length_m - row.look.along_now_m) / row.speed_m_s;
+  for (std::size_t i = passed + 1; i < passes; ++i)
+    left_s += length_m / path.speeds_m_s[i % path.speeds_m_s.size()];
+  jobs_.show_progress(whole_mm(static_cast<double>(passed) * length_m + row.look.along_now_m),
+                      whole_mm(static_cast<double>(passes) * length_m), left_s);
+}
+
+}  // namespace planar

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/certificate/certify.h"
+#include "planar_servo/console/cell_jobs.h"
+#include "planar_servo/console/page_operator.h"
+#include "planar_servo/work/run/path_run.h"
+
+namespace planar {
+
+/// What a recording from the page is made by.
+struct RecordingOrder {
+  std::string plan, out;  ///< names in the cell's folder
+  std::string board{};    ///< as --grid takes it; empty for none
+  std::string on_bad_reading{"repeat"};
+};
+
+/// Records cells as planar-record does, with the person at a page. All functions may be called from
+/// any thread.
+class RecordingJob {
+ public:
+  /// All must outlive it.
+  RecordingJob(const KnownCell& cell, StateBoard& board, CellJobs& jobs, PageSeat& seat)
+      : cell_(cell), board_(board), jobs_(jobs), seat_(seat) {}
+
+  /// Begins or continues a recording and returns the number of its job once its files are read.
+  /// Throws as the functions of CellJobs do.
+  int begin(const RecordingOrder& order, StopsKnown known);
+
+ private:
+  const KnownCell& cell_;
+  StateBoard& board_;
+  CellJobs& jobs_;
+  PageSeat& seat_;
+};
+
+/// Certifies a cell as planar-certify does, with the person at a page beside the tracker.
+class CertificateJob {
+ public:
+  /// All must outlive it.
+  CertificateJob(StateBoard& board, CellJobs& jobs, PageSeat& seat)
+      : board_(board), jobs_(jobs), seat_(seat) {}
+
+  /// Begins a certificate in the folder `name` beside the cell file, or continues the one that was
+  /// broken off there, and returns the number of its job once its files are read. Throws as the
+  /// functions of CellJobs do, and InputError for sizes that planar-certify refuses.
+  int begin(const std::string& name, const CertificateSize& size, StopsKnown known);
+
+ private:
+  CellJobs::Ending certify(const CertificateRequest& request, CellDevices& devices,
+                           const CellJobs::Begun& begun);
+
+  StateBoard& board_;
+  CellJobs& jobs_;
+  PageSeat& seat_;
+};
+
+/// Follows a path as planar-servo does. All functions may be called from any thread.
+class PathJob {
+ public:
+  /// All must outlive it.
+  PathJob(const KnownCell& cell, CellJobs& jobs) : cell_(cell), jobs_(jobs) {}
+
+  /// Keeps the rows of a table as the path that is followed next; none for an empty text. Throws
+  /// InputError with every fault, and for a path that the arm cannot follow at any speed.
+  void load(const std::string& csv);
+  /// Returns the table with the path's length and its places, near enough to draw lines between.
+  nlohmann::ordered_json json() const;
+
+  /// Follows the path once at each speed under each guidance, in the folder `name` beside the cell
+  /// file, and returns the number of the job once its files are read. Throws as the functions of
+  /// CellJobs do, and InputError for speeds and ways that planar-servo refuses.
+  int begin(const std::string& name, const std::vector<double>& speeds_mm_s,
+            const std::vector<Guidance>& guidances, StopsKnown known);
+
+ private:
+  struct Table {
+    std::string csv;
+    Path path;
+  };
+
+  CellJobs::Ending follow(const ServoRequest& request, const PathRequest& path,
+                          const std::string& csv, CellDevices& devices,
+                          const CellJobs::Begun& begun);
+  /// Shows a look, and how far the job has come after so many passes over the path.
+  void show(const PathLookRow& row, const PathRequest& path, std::size_t passed);
+
+  const KnownCell& cell_;
+  CellJobs& jobs_;
+  mutable std::mutex mutex_;
+  std::optional<Table> table_;
+};
+
+}  // namespace planar
