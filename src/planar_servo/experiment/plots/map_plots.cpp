@@ -1,5 +1,3 @@
-#include "planar_servo/experiment/plots/map_plots.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,3 @@
-#include "planar_servo/virtual_cell/truth/draw_truth.h"
-
 #include <cmath>
 #include <string>
 
