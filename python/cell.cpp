@@ -14,7 +14,7 @@
 #include "bindings.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/ready_cell.h"
@@ -97,17 +97,17 @@ class Cell {
   Cell(const fs::path& path, bool use_error_map, bool accept_stale, bool accept_map,
        bool check_health, const MayHome& may_home) {
     const py::gil_scoped_release release;
-    request_.cell = read_cell(path);
-    request_.center = request_.cell.lamps.method;
-    request_.use_error_map = use_error_map;
+    const CellSettings cell = read_cell(path);
+    require_devices(cell);
+    request_.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell, use_error_map));
+    require_calibrated(*request_.cell);  // before a device is opened
+    request_.center = cell.lamps.method;
     request_.accept_stale = accept_stale;
     request_.accept_map = accept_map;
     request_.check_health = check_health;
     request_.may_home = may_home;
     request_.stop = [this] { return stop_.asked(); };
-    require_devices(request_.cell);
-    read_vision(request_.cell, use_error_map);  // before a device is opened
-    devices_ = open_cell(request_.cell);
+    devices_ = open_cell(cell);
   }
   Cell(const Cell&) = delete;
   Cell& operator=(const Cell&) = delete;
@@ -117,7 +117,7 @@ class Cell {
                       const OnStep& on_step) {
     const Eigen::VectorXd place = vector_of("p", p, 2);
     require_metres("p", place);
-    const double turn = phi ? direction(*phi) : request_.cell.tool_orientation;
+    const double turn = phi ? direction(*phi) : request_.cell->settings.tool_orientation;
     return work([&] {
       ReadyCell& cell = ready();
       if (const auto unwell = cell.examine_if_due(); unwell && !unwell->empty())
@@ -135,7 +135,7 @@ class Cell {
       ServoRequest request = request_;
       request.out = out;
       request.resume = resume;
-      request.learns = request.cell.servo.learns;
+      request.learns = request.cell->settings.servo.learns;
       const auto show = observer_of(on_step);
       ServoRun run(request, *devices_, [&](const ServoSight& sight) {
         if (show) show(sight.step);
@@ -189,7 +189,7 @@ class Cell {
     work([&] { shut(); });
   }
   bool is_open() const { return is_open_; }
-  std::string file() const { return request_.cell.file.string(); }
+  std::string file() const { return request_.cell->settings.file.string(); }
 
  private:
   /// Works with the devices; refuses a closed cell, and a second thread or a callback.

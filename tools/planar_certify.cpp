@@ -5,6 +5,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/certificate/certificate_report.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "program.h"
 
@@ -53,8 +54,10 @@ void add_options(CLI::App& app, Options& options) {
 
 CertificateRequest request_of(const Options& options) {
   CertificateRequest request = options.request;
-  request.servo.cell = read_cell(options.cell);
-  request.servo.center = request.servo.cell.lamps.method;
+  const CellSettings cell = read_cell(options.cell);
+  require_devices(cell);
+  request.servo.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
+  request.servo.center = cell.lamps.method;
   request.servo.may_home = may_home(options.homing);
   request.servo.stop = interrupted;
   return request;
@@ -62,7 +65,6 @@ CertificateRequest request_of(const Options& options) {
 
 Outcome certify(const Options& options) {
   const CertificateRequest request = request_of(options);
-  require_devices(request.servo.cell);
   heed_interrupts();
   ProgressBar bar("moves");
   const Certificate certificate = certificate_of(run_certificate(

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "homing_options.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/cell_check.h"
 #include "program.h"
@@ -24,12 +25,14 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 Outcome check(const Options& options) {
-  const CellSettings cell = read_cell(options.cell);
-  const CheckedFiles files = read_checked_files(cell);
+  const CellSettings settings = read_cell(options.cell);
+  const CalibratedCell cell =
+      read_calibrated_cell(settings, std::filesystem::exists(settings.error_map));
+  require_checkable(cell);
   heed_interrupts();
-  const auto devices = open_cell(cell);
+  const auto devices = open_cell(settings);
   const std::vector<HealthFinding> found =
-      check_devices(cell, files, *devices, may_home(options.homing), interrupted);
+      check_devices(cell, *devices, may_home(options.homing), interrupted);
   say("{}", found.empty() ? "the cell is as it was at its calibration\n" : findings_text(found));
   return {findings_json(found), found.empty()};
 }

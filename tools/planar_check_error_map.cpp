@@ -1,7 +1,7 @@
 
 #include <utility>
 
-#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
@@ -32,9 +32,10 @@ MapCheck check(const VisionErrorMap& map, const std::vector<PairRow>& pairs) {
                          [&](const char* phase, double share) { bar.show(phase, share); });
 }
 
-std::vector<Plan> plans_of(const Options& options) {
-  std::vector<Plan> plans;
-  for (const std::string& word : options.plans) plans.push_back(value_named(kPlans, word).value());
+std::vector<Purpose> plans_of(const Options& options) {
+  std::vector<Purpose> plans;
+  for (const std::string& word : options.plans)
+    plans.push_back(value_named(kPurposes, word).value());
   return plans;
 }
 
@@ -53,7 +54,7 @@ Outcome check_pairs(const Options& options) {
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--plan", options.plans,
                  "judge only pairs of these plans; without it all but train")
-      ->check(CLI::IsMember(names_of(kPlans)))
+      ->check(CLI::IsMember(names_of(kPurposes)))
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME");

@@ -8,7 +8,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/checksum.h"
 #include "planar_servo/console/doctor/doctor.h"
-#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/dry_run.h"
 #include "program.h"
@@ -71,8 +71,7 @@ Outcome work(const Options& options) {
     throw InputError(Refusal{"--cell, --new or --seal is required", "--help explains each"});
   auto findings = examine_cell(options.cell);
   if (is_sound(findings)) {
-    const CellSettings cell = read_cell(options.cell);
-    if (const auto doubt = foresee_check(cell, vision_so_far(cell)).doubt)
+    if (const auto doubt = foresee_check(read_calibrated_cell(read_cell(options.cell))).doubt)
       findings.push_back({Finding::Verdict::kDoubtful, doubt->where, doubt->fault, doubt->remedy});
   }
   if (const char* folders = std::getenv("PATH"))

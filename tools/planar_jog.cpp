@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "planar_servo/base/io/terminal.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/jog/jog_console.h"
 #include "program.h"
@@ -112,7 +113,8 @@ Outcome jog(const Options& options) {
   const TypedLine typed;
   StatusLine status;
   JogConsole console(
-      cell, *devices, options.teach, [&] { return interrupted() || typed.is_there(); },
+      read_calibrated_cell(cell), *devices, options.teach,
+      [&] { return interrupted() || typed.is_there(); },
       [&](const std::string& sentence) { status.show(sentence + "; Enter stops the arm"); });
   Session session(console, status, typed);
   if (typed.at_terminal()) say("{}\n", JogConsole::help());

@@ -8,7 +8,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/terminal.h"
-#include "planar_servo/files/calibration_files.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/machine/plausibility.h"
@@ -172,28 +172,28 @@ bool from_stdin(const Options& options) {
 
 /// Returns where the check of the cell leaves the arm, and warns of what it cannot do. Throws
 /// InputError where it can do nothing.
-Joints start_of_run(const Options& options, const CellSettings& cell) {
-  if (options.no_health) return cell.arm.home;
-  const ForeseenCheck check = foresee_check(cell, vision_so_far(cell));
+Joints start_of_run(const Options& options, const CalibratedCell& cell) {
+  if (options.no_health) return cell.settings.arm.home;
+  const ForeseenCheck check = foresee_check(cell);
   if (check.refused) throw InputError(*check.doubt);
   if (check.doubt) spdlog::warn(check.doubt->text());
   return check.end;
 }
 
-Outcome print_dry_run(const Options& options, const CellSettings& cell,
+Outcome print_dry_run(const Options& options, const CalibratedCell& cell,
                       const std::vector<TargetRow>& targets) {
   const auto rows = first_moves_to(cell, start_of_run(options, cell), targets);
   say("{}", dry_run_text(rows));
   return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
-Outcome print_check(const Options& options, const CellSettings& cell,
-                    const VisionCalibration& vision, const std::vector<TargetRow>& targets) {
+Outcome print_check(const Options& options, const CalibratedCell& cell,
+                    const std::vector<TargetRow>& targets) {
   auto rows = first_moves_to(cell, start_of_run(options, cell), targets);
-  refuse_outside_map(rows, targets, cell.tool_orientation, vision);
+  refuse_outside_map(rows, targets, cell);
   const std::size_t refused = count_refused(rows);
   say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
-      refusals_text(rows), cell.file.string(), rows.size() - refused, rows.size());
+      refusals_text(rows), cell.settings.file.string(), rows.size() - refused, rows.size());
   return {{{"targets", rows.size()}, {"refused", refused}}, refused == 0};
 }
 
@@ -207,7 +207,7 @@ bool is_good(const StreamEnd& end, bool requires_end) {
   return end.bad_lines == 0 && !is_missing;
 }
 
-Outcome plan_stream(const Options& options, const CellSettings& cell) {
+Outcome plan_stream(const Options& options, const CalibratedCell& cell) {
   TargetLines lines(kStdin);
   const FirstMoveStream planned =
       answer_first_moves(std::cin, std::cout, lines, cell, start_of_run(options, cell));
@@ -247,7 +247,7 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
   return {list.json(), figures.reached == figures.targets && good_input && !run.ended_by()};
 }
 
-ServoRequest request_of(const Options& options, const CellSettings& cell) {
+ServoRequest request_of(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
   if (options.judged && from_stdin(options))
     throw InputError(
         Refusal{"--judged asks a person at the terminal, but --targets - reads targets there",
@@ -257,50 +257,49 @@ ServoRequest request_of(const Options& options, const CellSettings& cell) {
         Refusal{"--out is needed to move the arm", "only --dry-run and --check do without it"});
   ServoRequest request = options.request;
   request.cell = cell;
-  request.center =
-      options.center.empty() ? cell.lamps.method : *value_named(kCenterMethods, options.center);
-  request.use_error_map = !options.no_error_map;
+  request.center = options.center.empty() ? cell->settings.lamps.method
+                                          : *value_named(kCenterMethods, options.center);
   request.check_health = !options.no_health;
   request.may_home = may_home(options.homing, !from_stdin(options));
   request.stop = interrupted;
   return request;
 }
 
-/// Reads and checks every file that a run would use.
-VisionCalibration check_files(const Options& options, const CellSettings& cell) {
-  require_devices(cell);
-  warn_of_values(cell);
-  VisionCalibration vision = read_vision(cell, !options.no_error_map);
-  read_cell_health(cell);
-  accept_stale_files(cell, !options.no_error_map, options.request.accept_stale);
-  accept_map(cell, vision, options.request.accept_map);
-  return vision;
+/// Checks all that a run would use.
+void check_files(const Options& options, const CalibratedCell& cell) {
+  require_devices(cell.settings);
+  warn_of_values(cell.settings);
+  require_calibrated(cell);
+  accept_stale(cell.stale, options.request.accept_stale);
+  accept_map(cell, options.request.accept_map);
 }
 
 /// Returns the tracker as the judge of a run, or null for a cell that its truth judges. It reads
 /// the monuments when it is asked first.
 std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices& devices) {
-  const ToolOffsets tool = read_tool(request.cell.tool);
-  if (judge_of(request.cell, tool) == JudgeKind::kTruth) return nullptr;
-  return std::make_shared<TrackerJudge>(request.cell, tool, devices.tracker(),
-                                        request.out / "judge.csv", request.stop);
+  require_calibrated(*request.cell);
+  const CellSettings& cell = request.cell->settings;
+  const ToolOffsets& tool = request.cell->vision->tool;
+  if (judge_of(cell, tool) == JudgeKind::kTruth) return nullptr;
+  return std::make_shared<TrackerJudge>(cell, tool, devices.tracker(), request.out / "judge.csv",
+                                        request.stop);
 }
 
-Outcome reach_targets(const Options& options, const CellSettings& cell) {
+Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
   const std::vector<TargetRow> targets =
       from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
-  if (!from_stdin(options)) question_targets(targets, cell.workspace, options.targets);
+  if (!from_stdin(options)) question_targets(targets, cell->settings.workspace, options.targets);
   if (options.check) {
-    const VisionCalibration vision = check_files(options, cell);
-    return from_stdin(options) ? plan_stream(options, cell)
-                               : print_check(options, cell, vision, targets);
+    check_files(options, *cell);
+    return from_stdin(options) ? plan_stream(options, *cell) : print_check(options, *cell, targets);
   }
   if (options.dry_run)
-    return from_stdin(options) ? plan_stream(options, cell) : print_dry_run(options, cell, targets);
+    return from_stdin(options) ? plan_stream(options, *cell)
+                               : print_dry_run(options, *cell, targets);
   ServoRequest request = request_of(options, cell);
-  request.learns = cell.servo.learns;
+  request.learns = cell->settings.servo.learns;
   heed_interrupts();
-  const auto devices = open_cell(request.cell);
+  const auto devices = open_cell(cell->settings);
   if (options.judged) request.judge = judge_by_tracker(request, *devices);
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
                        options.request.out / "view.png");
@@ -315,15 +314,18 @@ std::vector<Guidance> guidances_of(const Options& options) {
   return {options.no_vision ? Guidance::kArm : Guidance::kVision};
 }
 
-Outcome follow(const Options& options, const CellSettings& cell) {
-  const PathRequest path{options.path, read_path(options.path, cell.tool_orientation),
+Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
+  const PathRequest path{options.path, read_path(options.path, cell->settings.tool_orientation),
                          guidances_of(options), path_speeds(options.speeds_mm_s)};
-  const std::vector<PathDemand> demands = require_followable(cell, path);
-  if (options.check) require_inside_map(check_files(options, cell), path);
+  const std::vector<PathDemand> demands = require_followable(*cell, path);
+  if (options.check) {
+    check_files(options, *cell);
+    require_inside_map(*cell->vision, path);
+  }
   if (options.check || options.dry_run) return told(path_demand_list(path, demands));
   const ServoRequest request = request_of(options, cell);
   heed_interrupts();
-  const auto devices = open_cell(request.cell);
+  const auto devices = open_cell(cell->settings);
   PathRun run(request, path, *devices);
   const bool reached = follow_path(run, path);
   write_path_run(request, path, run);
@@ -334,7 +336,8 @@ Outcome follow(const Options& options, const CellSettings& cell) {
 Outcome work(const Options& options) {
   if (options.require_end && !from_stdin(options))
     throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
-  const CellSettings cell = read_cell(options.cell);
+  const auto cell = std::make_shared<CalibratedCell>(
+      read_calibrated_cell(read_cell(options.cell), !options.no_error_map));
   return options.path.empty() ? reach_targets(options, cell) : follow(options, cell);
 }
 

@@ -17,7 +17,7 @@ LampSight frame(const std::string& id, double t_s, double u_px) {
   LampSight sight;
   sight.id = id;
   sight.t_s = t_s;
-  sight.plan = Plan::kTrain;
+  sight.plan = Purpose::kTrain;
   sight.uv_px = {Eigen::Vector2d(u_px, 100.0), Eigen::Vector2d(u_px + 80.0, 100.0)};
   sight.covariances_px2.fill(0.04 * Eigen::Matrix2d::Identity());
   return sight;
@@ -107,7 +107,7 @@ TEST_CASE("Places of plan sweep3 with the same joints 1 and 2 form a sweep") {
   for (int i = 0; i < 5; ++i) {
     frames.push_back(frame(std::to_string(i), i, 100.0 * i));
     frames.back().theta = {i < 2 ? 0.1 : 0.3, 0.2, 0.4 * i};
-    if (i != 4) frames.back().plan = Plan::kSweep3;
+    if (i != 4) frames.back().plan = Purpose::kSweep3;
     readings.push_back(reading(std::to_string(i), i, 0.1));
   }
   const auto sights = pair_sights(frames, readings, PairBy::kId).sights;
@@ -121,7 +121,7 @@ TEST_CASE("Places of plan sweep3 with the same joints 1 and 2 form a sweep") {
 TEST_CASE("A place of plan pose needs no reading, and uses none") {
   std::vector<LampSight> frames{frame("a", 1.0, 100.0), frame("b", 2.0, 200.0),
                                 frame("c", 3.0, 300.0)};
-  frames[1].plan = frames[2].plan = Plan::kPose;
+  frames[1].plan = frames[2].plan = Purpose::kPose;
   frames[1].theta = {0.1, 0.2, 0.3};
   const Pairing pairing =
       pair_sights(frames, {reading("a", 1.0, 0.1), reading("c", 3.0, 0.3)}, PairBy::kId);

@@ -46,7 +46,7 @@ struct SyntheticCell {
     const Eigen::Vector2d middle = p - R * tool_ref.p_TP;
     ToolSight result;
     result.id = id;
-    result.plan = Plan::kTrain;
+    result.plan = Purpose::kTrain;
     for (std::size_t k = 0; k < 2; ++k) {
       const double along = (k == 0 ? -0.5 : 0.5) * separation;
       const Eigen::Vector2d noise(normal(random), normal(random));
@@ -74,7 +74,7 @@ struct SyntheticCell {
       const double phi = 2.0 * kPi * i / swept;
       sights.push_back(sight("s" + std::to_string(i), {0.25, 0.1}, phi, random));
       sights.back().sweep = 0;
-      sights.back().plan = Plan::kSweep3;
+      sights.back().plan = Purpose::kSweep3;
     }
     return sights;
   }

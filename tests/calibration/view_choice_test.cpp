@@ -64,10 +64,10 @@ TEST_CASE("A board reaches a corner of the picture when a dot lies in the outer 
 
 TEST_CASE("A turn counts up to what the board's shape can tell") {
   const BoardStance quarter = stance_of(kSquareBoard, 0.0, 0.0, 0.1);
-  CHECK(alike(Plan::kHeldBoard, quarter, stance_of(kSquareBoard, 0.0, 0.0, 0.1 + kPi / 2.0)));
-  CHECK_FALSE(alike(Plan::kHeldBoard, quarter, stance_of(kSquareBoard, 0.0, 0.0, 0.1 + 0.6)));
+  CHECK(alike(Purpose::kHeldBoard, quarter, stance_of(kSquareBoard, 0.0, 0.0, 0.1 + kPi / 2.0)));
+  CHECK_FALSE(alike(Purpose::kHeldBoard, quarter, stance_of(kSquareBoard, 0.0, 0.0, 0.1 + 0.6)));
   const BoardStance level = stance_of(kLongBoard, 0.0, 0.0, 0.1);
-  CHECK_FALSE(alike(Plan::kHeldBoard, level, stance_of(kLongBoard, 0.0, 0.0, 0.1 + kPi / 2.0)));
+  CHECK_FALSE(alike(Purpose::kHeldBoard, level, stance_of(kLongBoard, 0.0, 0.0, 0.1 + kPi / 2.0)));
   CHECK(wrap_to_period(1.0, 1.5) == Approx(-0.5));
   CHECK(wrap_to_period(-0.75, 1.5) == Approx(0.75));
 }
@@ -75,17 +75,17 @@ TEST_CASE("A turn counts up to what the board's shape can tell") {
 TEST_CASE(
     "Views are alike when place, size, tilt and turn are, and of laid boards tilt does not count") {
   const BoardStance base = stance_of(kSquareBoard, 0.3, 0.0);
-  CHECK(alike(Plan::kHeldBoard, base, stance_of(kSquareBoard, 0.33, 0.05, 0.05, {0.02, 0.0})));
+  CHECK(alike(Purpose::kHeldBoard, base, stance_of(kSquareBoard, 0.33, 0.05, 0.05, {0.02, 0.0})));
   const BoardStance others[] = {stance_of(kSquareBoard, 0.3, 0.0, 0.0, {0.1, 0.0}),
                                 stance_of(kSquareBoard, 0.3, 0.0, 0.0, {0.0, 0.0}, 0.48),
                                 stance_of(kSquareBoard, 0.1, 0.0),
                                 stance_of(kSquareBoard, 0.3, 0.0, 0.4)};
-  for (const BoardStance& other : others) CHECK_FALSE(alike(Plan::kHeldBoard, base, other));
-  CHECK(alike(Plan::kLaidBoard, base, stance_of(kSquareBoard, 0.1, 0.0)));
+  for (const BoardStance& other : others) CHECK_FALSE(alike(Purpose::kHeldBoard, base, other));
+  CHECK(alike(Purpose::kLaidBoard, base, stance_of(kSquareBoard, 0.1, 0.0)));
 }
 
 TEST_CASE("What is asked for next is what no view has shown") {
-  ViewChoice choice(Plan::kHeldBoard);
+  ViewChoice choice(Purpose::kHeldBoard);
   CHECK(choice.missing().size() == 8);
   CHECK(choice.request() ==
         "move it into the upper left corner of the picture, or tilt its left edge towards the "
@@ -102,7 +102,7 @@ TEST_CASE("What is asked for next is what no view has shown") {
 }
 
 TEST_CASE("The views left go to what is missing, and only spare ones may show anything new") {
-  ViewChoice choice(Plan::kHeldBoard);
+  ViewChoice choice(Purpose::kHeldBoard);
   const BoardStance plain = stance_of(kSquareBoard, 0.0, 0.0);
   CHECK(choice.worth(plain, 5) == ViewWorth::kNew);
   CHECK(choice.worth(plain, 4) == ViewWorth::kUnneeded);
@@ -113,7 +113,7 @@ TEST_CASE("The views left go to what is missing, and only spare ones may show an
 }
 
 TEST_CASE("Laid boards are asked for in the middle first, then at the corners and turned") {
-  ViewChoice choice(Plan::kLaidBoard);
+  ViewChoice choice(Purpose::kLaidBoard);
   CHECK(choice.request() == "lay it into the middle of the picture, its rows along the picture's");
   CHECK(choice.open_corners().empty());
   CHECK(choice.worth(stance_of(kSquareBoard, 0.0, 0.0, kPi / 4.0), 1) == ViewWorth::kUnneeded);
@@ -129,7 +129,7 @@ TEST_CASE("No two views that are taken are alike, and their order does not matte
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  for (const Plan plan : {Plan::kHeldBoard, Plan::kLaidBoard}) {
+  for (const Purpose plan : {Purpose::kHeldBoard, Purpose::kLaidBoard}) {
     ViewChoice choice(plan);
     std::vector<BoardStance> taken;
     for (int i = 0; i < 400; ++i) {

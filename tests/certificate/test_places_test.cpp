@@ -5,6 +5,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
@@ -27,17 +28,17 @@ TEST_CASE("The largest free square of a raster comes first") {
 }
 
 TEST_CASE("The square and the targets lie where the cell can position") {
-  CellSettings cell = read_cell(test::workshop_cell_file());
-  const VisionCalibration vision = read_vision(cell, true);
-  const TestPlaces places = find_test_places(cell, vision, 40);
+  CalibratedCell cell = read_calibrated_cell(read_cell(test::workshop_cell_file()));
+  Workspace& workspace = cell.settings.workspace;
+  const TestPlaces places = find_test_places(cell, 40);
   CHECK(places.targets.size() == 40);
   CHECK(places.square.side > 0.3);
   CHECK(places.usable > 0.5);
   std::vector<Eigen::Vector2d> all(places.poses.begin(), places.poses.end());
   all.insert(all.end(), places.targets.begin(), places.targets.end());
   for (const Eigen::Vector2d& p : all) {
-    CHECK_FALSE(cell.workspace.violation(p));
-    CHECK(predict_error_at(vision, {p, cell.tool_orientation}).inside);
+    CHECK_FALSE(workspace.violation(p));
+    CHECK(predict_error_at(*cell.vision, {p, cell.settings.tool_orientation}).inside);
   }
 
   SECTION("The targets go once round the base and fill the workspace") {
@@ -47,28 +48,28 @@ TEST_CASE("The square and the targets lie where the cell can position") {
       const double angle = std::atan2(p.y(), p.x());
       CHECK(angle > turned);
       turned = angle;
-      if (p.norm() > cell.workspace.radius_max_m / std::sqrt(2.0)) ++far;
+      if (p.norm() > workspace.radius_max_m / std::sqrt(2.0)) ++far;
     }
     CHECK(far == Approx(20).margin(6));  // half of the area
   }
   SECTION("A keep-out disc on the square moves it away") {
-    cell.workspace.keep_out.push_back({places.square.centre, 0.02});
-    const TestPlaces beside = find_test_places(cell, vision, 1);
+    workspace.keep_out.push_back({places.square.centre, 0.02});
+    const TestPlaces beside = find_test_places(read_calibrated_cell(cell.settings), 1);
     const Eigen::Vector2d apart = beside.square.centre - places.square.centre;
     CHECK(apart.cwiseAbs().maxCoeff() > 0.5 * beside.square.side);
   }
   SECTION("A keep-out disc where a pose is approached from moves the square, too") {
     for (const CertificateMove& approached : certificate_moves(places, 1)) {
       if (approached.from.empty()) continue;
-      cell.workspace.keep_out = {{*approached.p_before, 0.002}};
-      const TestPlaces beside = find_test_places(cell, vision, 1);
+      workspace.keep_out = {{*approached.p_before, 0.002}};
+      const TestPlaces beside = find_test_places(read_calibrated_cell(cell.settings), 1);
       for (const CertificateMove& move : certificate_moves(beside, 1))
-        CHECK_FALSE(cell.workspace.violation(move.p_before.value_or(move.p_d)));
+        CHECK_FALSE(workspace.violation(move.p_before.value_or(move.p_d)));
     }
   }
   SECTION("A workspace that the camera does not see is refused") {
-    cell.workspace.keep_out.push_back({{0.0, 0.0}, 0.6});
-    CHECK_THROWS_AS(find_test_places(cell, vision, 1), InputError);
+    workspace.keep_out.push_back({{0.0, 0.0}, 0.6});
+    CHECK_THROWS_AS(find_test_places(read_calibrated_cell(cell.settings), 1), InputError);
   }
 }
 

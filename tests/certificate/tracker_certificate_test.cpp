@@ -4,6 +4,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/certificate/certificate_report.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"
@@ -16,8 +17,9 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   const test::TemporaryFolder folder;
   const CellSettings whole = read_cell(test::workshop_cell_file());
   CertificateRequest request;
-  request.servo.cell = whole;
-  request.servo.cell.truth.reset();
+  CellSettings cell = whole;
+  cell.truth.reset();
+  request.servo.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
   request.servo.out = folder / "out";
   request.servo.check_health = false;
   request.size = {2, 2};

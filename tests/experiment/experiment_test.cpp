@@ -165,6 +165,7 @@ TEST_CASE("Only our chain estimates landings, the paper's and ViSP's correct by 
   const auto estimates = [&](const ChainSettings& settings) {
     CalibratedChain chain;
     chain.settings = settings;
+    chain.cell = cell;
     return control_loop(chain, false, request).estimates_landings;
   };
   CHECK(estimates(our_chain(cell)));
@@ -203,19 +204,19 @@ TEST_CASE("A small experiment fills every table of the paper, and our chain beat
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
   CHECK(ours.targets == 4 * static_cast<std::size_t>(kSmall.control_points));
   CHECK(ours.reached == ours.targets);
-  CHECK(paper.before_truth->mean > kBeforeAbove_m);
-  CHECK(ours.before_truth->mean < 0.1 * paper.before_truth->mean);  // by the arm that was found
-  CHECK(ours.after_truth->mean < kOursBelow_m);
-  CHECK(ours.after_truth->mean < paper.after_truth->mean);
+  CHECK(paper.before_judged->mean > kBeforeAbove_m);
+  CHECK(ours.before_judged->mean < 0.1 * paper.before_judged->mean);  // by the arm that was found
+  CHECK(ours.after_judged->mean < kOursBelow_m);
+  CHECK(ours.after_judged->mean < paper.after_judged->mean);
   const ServoFigures visp = figures_of(report.visp), unmapped = figures_of(report.paper_no_map);
   CHECK(visp.reached == visp.targets);
-  CHECK(visp.after_truth->mean < visp.before_truth->mean);
-  CHECK(visp.after_truth->mean ==
-        Approx(unmapped.after_truth->mean).epsilon(0.2));  // no map either
+  CHECK(visp.after_judged->mean < visp.before_judged->mean);
+  CHECK(visp.after_judged->mean ==
+        Approx(unmapped.after_judged->mean).epsilon(0.2));  // no map either
   CHECK_THAT(experiment_text(report), Contains("vpCalibration"));
-  CHECK(report.prediction.mean > 0.5 * ours.after_truth->mean);
+  CHECK(report.prediction.mean > 0.5 * ours.after_judged->mean);
   // It allows for leaning axes and a biased tracker, of which this cell has neither.
-  CHECK(report.prediction.mean < 3.0 * ours.after_truth->mean);
+  CHECK(report.prediction.mean < 3.0 * ours.after_judged->mean);
 
   const nlohmann::json json = experiment_list(report).json();
   for (int table = 1; table <= 7; ++table) CHECK(!json["table" + std::to_string(table)].empty());
@@ -245,7 +246,7 @@ TEST_CASE("Without a tracker reading a laid board and poses place the tool, but 
   const ExperimentReport report = run_experiment(request, *devices);
   const ServoFigures ours = figures_of(report.ours);
   CHECK(ours.reached == control_targets(cell.workspace, kSmall).size());
-  CHECK(ours.after_truth->mean < 0.03 * kMillimetre);
+  CHECK(ours.after_judged->mean < 0.03 * kMillimetre);
   REQUIRE(report.turn_taken_out);
   CHECK(std::abs(*report.turn_taken_out) > 0.1 * kDegree);  // joint 1's zero is off by 0.2
   CHECK(experiment_list(report).json()["table1"].empty());

@@ -8,6 +8,7 @@
 #include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/run/servo_report.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"
 #include "support/temporary_folder.h"
@@ -75,9 +76,9 @@ double judging_error(const std::vector<TargetResult>& results, const std::string
                      const std::map<std::string, Eigen::Vector2d>& truth) {
   double sum = 0.0;
   for (const TargetResult& result : results) {
-    if (!result.after_truth) continue;
+    if (!result.after_judged) continue;
     const Eigen::Vector2d error = truth.at(loop + " " + result.id) - result.p_d;
-    sum += (*result.after_truth - error).squaredNorm() / 2.0 / std::pow(*result.sigma_truth_m, 2);
+    sum += (*result.after_judged - error).squaredNorm() / 2.0 / std::pow(*result.sigma_judged_m, 2);
   }
   return sum / static_cast<double>(figures_of(results).tracker->judged);
 }

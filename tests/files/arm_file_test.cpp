@@ -7,6 +7,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/checksum.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
@@ -126,16 +127,19 @@ TEST_CASE("A factor or weights whose count does not fit the arm are refused by n
                     Contains("arm.yaml:") && Contains("weights_mm"));
 }
 
-TEST_CASE("A servo's planner refuses an arm file that the cell names and nobody has made") {
+TEST_CASE("What plans refuses an arm file that the cell names and nobody has made") {
   CellSettings cell = read_cell(test::paper_cell_file());
-  CHECK_NOTHROW(servo_planner(cell));
+  cell.arm_found.reset();
+  CHECK_NOTHROW(require_arm(read_calibrated_cell(cell)));
   const test::TemporaryFolder folder;
   cell.arm_found = folder.path() / "arm.yaml";
-  CHECK_THROWS_WITH(servo_planner(cell),
+  CHECK_THROWS_WITH(require_arm(read_calibrated_cell(cell)),
                     Contains("arm.yaml: does not exist yet") && Contains("--arm-out"));
   folder.write("arm.yaml", bent_arm_text());
+  const CalibratedCell found = read_calibrated_cell(cell);
+  CHECK_NOTHROW(require_arm(found));
   const TipPose target{{0.2, 0.1}, 0.0};
-  CHECK((servo_planner(cell).plan(target, cell.arm.home).theta -
+  CHECK((found.planner.plan(target, cell.arm.home).theta -
          joint_planner(cell).plan(target, cell.arm.home).theta)
             .norm() > 1e-3);
 }

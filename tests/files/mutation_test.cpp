@@ -68,7 +68,7 @@ TEST_CASE("A damaged table is read or refused by name, never worse") {
   const std::string frames = frames_header() + frame_line({"t1",
                                                            "images/t1.pgm",
                                                            1.5,
-                                                           Plan::kTrain,
+                                                           Purpose::kTrain,
                                                            {0.1, -0.2, 0.3},
                                                            {10, -20, 30},
                                                            {1, 2, 3, 4}});

@@ -16,7 +16,7 @@ TEST_CASE("Pairs come back as they were written") {
   row.p_vision = {0.1234567, -0.3};
   row.p_tracker = Eigen::Vector2d(0.1230, -0.2999);
   row.phi = 0.5;
-  row.plan = Plan::kTrain;
+  row.plan = Purpose::kTrain;
   row.p_reflector = Eigen::Vector2d(0.13, -0.31);
   row.z_reflector = 0.0812345;
   const test::TemporaryFolder folder;
@@ -25,7 +25,7 @@ TEST_CASE("Pairs come back as they were written") {
   CHECK((back.error() - row.error()).norm() < test::kWrittenNanometre);
   CHECK(*back.phi == Approx(0.5).margin(1e-8));
   CHECK_FALSE(back.sigma_vision.has_value());
-  CHECK(back.plan == Plan::kTrain);
+  CHECK(back.plan == Purpose::kTrain);
   CHECK(back.z_reflector.value() == Approx(0.0812345).margin(test::kWrittenNanometre));
 }
 

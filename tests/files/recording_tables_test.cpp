@@ -13,9 +13,9 @@ namespace {
 using Catch::Contains;
 
 TEST_CASE("A plan asks for positions by point or by joints, and for board views by neither") {
-  const std::vector<PlanRow> rows{{"g", Plan::kHeldBoard, {}},
-                                  {"t", Plan::kTrain, TipPose{{0.1, 0.2}, 0.0}},
-                                  {"s", Plan::kSweep3, Joints(0.1, 0.2, 0.3)}};
+  const std::vector<PlanRow> rows{{"g", Purpose::kHeldBoard, {}},
+                                  {"t", Purpose::kTrain, TipPose{{0.1, 0.2}, 0.0}},
+                                  {"s", Purpose::kSweep3, Joints(0.1, 0.2, 0.3)}};
   const test::TemporaryFolder folder;
   const auto back = read_plan(folder.write("plan.csv", plan_text(rows)), 0.0);
   REQUIRE(back.size() == 3);
@@ -67,7 +67,7 @@ TEST_CASE("Half a place, or both kinds of place, is a fault of its row") {
 
 TEST_CASE("A frame comes back as it was written") {
   const test::TemporaryFolder folder;
-  const FrameRow frame{"t1",          "images/t1.pgm",     1.5, Plan::kTrain, {0.1, -0.2, 0.3},
+  const FrameRow frame{"t1",          "images/t1.pgm",     1.5, Purpose::kTrain, {0.1, -0.2, 0.3},
                        {10, -20, 30}, {100, 200, 512, 512}};
   folder.write("frames.csv", frames_header() + frame_line(frame));
   const FrameRow back = read_frames(folder.path()).at(0);

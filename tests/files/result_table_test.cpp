@@ -22,7 +22,7 @@ TargetResult sample() {
   result.seconds = 1.25;
   result.uncertainty_m = 1e-5;
   result.before_own = Eigen::Vector2d(1e-3, 2e-3);
-  result.after_truth = Eigen::Vector2d(-1e-5, 3e-5);
+  result.after_judged = Eigen::Vector2d(-1e-5, 3e-5);
   return result;
 }
 
@@ -35,15 +35,15 @@ TEST_CASE("A result comes back as it was written, what is not known stays unknow
   CHECK(back.reason == "the error is 1 mm, too much");
   CHECK(back.iterations == 3);
   CHECK((*back.before_own - Eigen::Vector2d(1e-3, 2e-3)).norm() < test::kWrittenNanometre);
-  CHECK((*back.after_truth - Eigen::Vector2d(-1e-5, 3e-5)).norm() < test::kWrittenNanometre);
-  CHECK_FALSE(back.before_truth.has_value());
+  CHECK((*back.after_judged - Eigen::Vector2d(-1e-5, 3e-5)).norm() < test::kWrittenNanometre);
+  CHECK_FALSE(back.before_judged.has_value());
   CHECK_FALSE(back.vision_raw.has_value());
 }
 
 TEST_CASE("What a tracker judged is read under its name and under that of earlier versions") {
   const test::TemporaryFolder folder;
   TargetResult judged = sample();
-  judged.sigma_truth_m = 3e-6;
+  judged.sigma_judged_m = 3e-6;
   const std::string header = results_header(), both = result_line(judged);
   CHECK_THAT(header, Contains("after_tracker_mm,after_tracker_dx_mm,after_tracker_dy_mm"));
   const std::string error = ",0.031623,-0.010000,0.030000";
@@ -56,7 +56,7 @@ TEST_CASE("What a tracker judged is read under its name and under that of earlie
             folder.write("results.csv", header + line.replace(left_out, error.size(), ",,,")))
             .at(0);
     CHECK(back.judged_by_tracker());
-    CHECK((back.after_truth.value() - Eigen::Vector2d(-1e-5, 3e-5)).norm() <
+    CHECK((back.after_judged.value() - Eigen::Vector2d(-1e-5, 3e-5)).norm() <
           test::kWrittenNanometre);
   }
   CHECK_THAT(result_line(sample()), Contains(",,,,,,,\n"));  // no tracker, nothing in its columns

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tables/pair_table.h"
@@ -54,7 +54,7 @@ class Random {
   Value one_of(const Named<Value> (&table)[kSize]) {
     return table[below(static_cast<int>(kSize))].value;
   }
-  Plan plan() { return kPlans[2 + below(7)].value; }
+  Purpose plan() { return kPurposes[2 + below(7)].value; }
 
  private:
   std::mt19937 random_;
@@ -96,7 +96,7 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
                      random.optional_number(),
                      random.optional_number(),
                      random.optional_number(),
-                     random.coin() ? std::optional<Plan>(random.plan()) : std::nullopt,
+                     random.coin() ? std::optional<Purpose>(random.plan()) : std::nullopt,
                      random.coin() ? random.id() : "",
                      random.optional_lamps(),
                      random.optional_point(),
@@ -171,7 +171,7 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       for (const ResultError& error : result_errors())
         result.*error.error = random.optional_point();
       result.uncertainty_m = random.optional_number();
-      result.sigma_truth_m = random.optional_number();
+      result.sigma_judged_m = random.optional_number();
       result.not_judged = random.text();
       result.believed = random.optional_point();
       return result;

@@ -6,6 +6,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/jog_bench.h"
 #include "support/sample_cells.h"
@@ -60,7 +61,7 @@ TEST_CASE("Before homing, and at a jog that needs it, the commands are named tha
   test::UnhomedCell devices(cell);
   for (test::MockPulseDrive& motor : devices.motors) motor.knows_position = false;
   std::vector<std::string> announced;
-  JogConsole console(cell, devices, folder / "t.csv", {},
+  JogConsole console(read_calibrated_cell(cell), devices, folder / "t.csv", {},
                      [&](const std::string& sentence) { announced.push_back(sentence); });
   CHECK_THAT(console.execute("home").text, Contains("the drives are off"));
   const std::string to_do =
@@ -81,7 +82,7 @@ TEST_CASE("Before homing, and at a jog that needs it, the commands are named tha
 TEST_CASE("A camera that fails stops a jog, and the next one goes without it") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   FailingCamera devices(cell);
-  JogConsole console(cell, devices, "");
+  JogConsole console(read_calibrated_cell(cell), devices, "");
   REQUIRE(console.execute("enable").done);
   devices.dies_s = devices.clock().now_s() + 0.05;  // 15 deg take 0.45 s
   const auto stopped = console.execute("joint 2 15");
@@ -95,7 +96,7 @@ TEST_CASE("A jog that is stopped says where the arm is, and the next one continu
   const auto devices = open_cell(cell);
   const double start_s = devices->clock().now_s();
   bool stop = false;
-  JogConsole console(cell, *devices, "", [&] {
+  JogConsole console(read_calibrated_cell(cell), *devices, "", [&] {
     return stop && devices->clock().now_s() > start_s + 0.05;  // 15 deg take 0.45 s
   });
   REQUIRE(console.execute("enable").done);
@@ -111,7 +112,7 @@ TEST_CASE("A jog that is stopped says where the arm is, and the next one continu
 TEST_CASE("An exposure that the camera refuses is said and changes nothing") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   FailingCamera devices(cell);
-  JogConsole console(cell, devices, "");
+  JogConsole console(read_calibrated_cell(cell), devices, "");
   const auto answer = console.execute("exposure 1");
   CHECK_FALSE(answer.done);
   CHECK(answer.text == "the camera refuses an exposure of 1 us");
@@ -261,7 +262,8 @@ TEST_CASE("A step along the line of one that was stopped returns to that line") 
   const CellSettings cell = read_cell(test::paper_cell_file());
   const auto devices = open_cell(cell);
   double stop_s = HUGE_VAL;
-  JogConsole console(cell, *devices, "", [&] { return devices->clock().now_s() > stop_s; });
+  JogConsole console(read_calibrated_cell(cell), *devices, "",
+                     [&] { return devices->clock().now_s() > stop_s; });
   REQUIRE(console.execute("enable").done);
   for (int i = 0; i < 2; ++i) REQUIRE(console.execute("joint 2 15").done);
   const Eigen::Vector2d begin = console.arm().tip().p;

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "support/jog_bench.h"
 
 namespace planar {
@@ -147,7 +148,7 @@ TEST_CASE("A calibrated cell says where on the plane the lamps are, and where it
 TEST_CASE("In lines the best width is that since the last other command") {
   JogBench bench;
   LensCell cell(*bench.devices);
-  JogConsole console(bench.cell, cell, "");
+  JogConsole console(read_calibrated_cell(bench.cell), cell, "");
   const auto focused = [&] { return figures_of(console.execute("focus").text); };
   const FocusFigures sharp = focused();
   cell.lens.blur_px = 2.0;

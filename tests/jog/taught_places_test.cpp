@@ -2,6 +2,7 @@
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/work/jog/jog_console.h"
 #include "support/jog_bench.h"
 
@@ -26,8 +27,8 @@ struct TaughtBench : JogBench {
   explicit TaughtBench(const CellSettings& settings = read_cell(test::paper_cell_file()))
       : JogBench(settings) {
     folder.write("taught.csv", kTable);
-    taught = std::make_unique<JogConsole>(cell, *devices, folder / "taught.csv",
-                                          [this] { return stop; });
+    taught = std::make_unique<JogConsole>(read_calibrated_cell(cell), *devices,
+                                          folder / "taught.csv", [this] { return stop; });
     CHECK(taught->execute("enable").done);
   }
   Joints joints() { return Transmission(cell.transmission).joints_from_pulses(pulses()); }
@@ -58,7 +59,7 @@ TEST_CASE("With an arm that was found, a taught place is gone to by that arm") {
   REQUIRE(answer.done);
   CHECK_THAT(answer.text,
              Contains("moved to near, (400.000, -280.000) mm, by the arm that was found"));
-  const Eigen::Vector2d reached = servo_planner(cell).reached(bench.joints()).p;
+  const Eigen::Vector2d reached = read_calibrated_cell(cell).planner.reached(bench.joints()).p;
   CHECK((reached - Eigen::Vector2d(0.4, -0.28)).norm() < kOnePulse_m);
 }
 
@@ -92,7 +93,7 @@ TEST_CASE("Before enabling and without a table a way is refused by what leads on
   CHECK(bench.refused("go a") == "no place 'a' is taught; teach one first (command teach ID)");
   bench.done("teach a");
   CHECK_THAT(bench.refused("go a"), Contains("enable them first"));
-  JogConsole without(bench.cell, *bench.devices, "");
+  JogConsole without(read_calibrated_cell(bench.cell), *bench.devices, "");
   CHECK_THAT(without.execute("go a").text, Contains("planar-jog takes one by --teach"));
 }
 

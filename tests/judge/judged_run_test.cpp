@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/machine/judge/cell_judge.h"
@@ -18,19 +19,20 @@ TEST_CASE(
   const CellSettings whole = read_cell(test::workshop_cell_file());
   test::SilentCell devices(whole);
   ServoRequest request;
-  request.cell = whole;
-  request.cell.truth.reset();
+  CellSettings cell = whole;
+  cell.truth.reset();
+  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
   request.out = folder / "run";
   request.check_health = false;
   request.judge =
-      std::make_shared<TrackerJudge>(request.cell, read_tool(whole.tool), devices.tracker(),
+      std::make_shared<TrackerJudge>(cell, request.cell->vision->tool, devices.tracker(),
                                      request.out / "judge.csv", std::function<bool()>());
   ServoRun run(request, devices);
   for (const char* id : {"a", "b"}) {
     const TargetResult& result = run.move_to({id, {0.2, 0.1}, std::nullopt});
     REQUIRE(result.not_judged.empty());
-    CHECK(result.after_truth.value().norm() < 0.2e-3);
-    CHECK(result.sigma_truth_m.value() >= whole.tracker.sigma_m);
+    CHECK(result.after_judged.value().norm() < 0.2e-3);
+    CHECK(result.sigma_judged_m.value() >= whole.tracker.sigma_m);
   }
   std::size_t monuments = 0;
   for (const TrackerRow& row : read_tracker(request.out / "judge.csv"))

@@ -49,14 +49,14 @@ TEST_CASE("A recording stands for its frames of plan grid, regions in their plac
   cv::imwrite(folder / "region.png", whole(region));
   FrameRow row;
   row.id = "a";
-  row.plan = Plan::kHeldBoard;
+  row.plan = Purpose::kHeldBoard;
   row.image = "whole.png";
   row.region_px = {0, 0, 640, 480};
   std::string table = frames_header() + frame_line(row);
   row.image = "region.png";
   row.region_px = region;
   table += frame_line(row);
-  row.plan = Plan::kTrain;
+  row.plan = Purpose::kTrain;
   row.image = "absent.png";
   table += frame_line(row);
   folder.write("frames.csv", table);
@@ -78,7 +78,7 @@ TEST_CASE("Missing images and recordings without a grid are named") {
                     Contains("a.png") && Contains("b.png") && Contains("cannot be read"));
   FrameRow row;
   row.id = "1";
-  row.plan = Plan::kTrain;
+  row.plan = Purpose::kTrain;
   row.image = "x.png";
   folder.write("frames.csv", frames_header() + frame_line(row));
   CHECK_THROWS_WITH(find_board_views({folder.path()}, kBoard), Contains("no frame of plan 'grid'"));

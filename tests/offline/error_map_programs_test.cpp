@@ -15,7 +15,8 @@ using Catch::Contains;
 
 constexpr double kRounding = 1e-12;
 
-std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, std::optional<Plan> plan) {
+std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples,
+                              std::optional<Purpose> plan) {
   std::vector<PairRow> pairs;
   for (const ErrorSample& sample : samples) {
     PairRow pair;
@@ -28,7 +29,7 @@ std::vector<PairRow> pairs_of(const std::vector<ErrorSample>& samples, std::opti
   return pairs;
 }
 
-std::vector<PairRow> lens_pairs(std::uint32_t seed, std::optional<Plan> plan) {
+std::vector<PairRow> lens_pairs(std::uint32_t seed, std::optional<Purpose> plan) {
   return pairs_of(
       test::measure(test::lens_field, test::random_positions(200, seed), test::kFieldNoise, seed),
       plan);
@@ -46,8 +47,8 @@ TEST_CASE("A method is chosen by its name, the paper's by its width in millimetr
 }
 
 TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others") {
-  std::vector<PairRow> pairs = lens_pairs(1, Plan::kTrain);
-  const std::vector<PairRow> others = lens_pairs(2, Plan::kTest);
+  std::vector<PairRow> pairs = lens_pairs(1, Purpose::kTrain);
+  const std::vector<PairRow> others = lens_pairs(2, Purpose::kTest);
   pairs.insert(pairs.end(), others.begin(), others.end());
   const FitErrorMapReport report = fit_error_map_to_pairs(pairs, {});
   CHECK(report.result.n_used == 200);
@@ -57,13 +58,13 @@ TEST_CASE("A map is fitted to the pairs of plan train, and judged on the others"
   CHECK(fit_error_map_to_pairs(pairs, {}).n_unattended == 1);
   pairs[207].p_tracker.reset();
   CHECK(pairs_to_check(pairs, {}).size() == 199);
-  pairs = lens_pairs(1, Plan::kTrain);
+  pairs = lens_pairs(1, Purpose::kTrain);
   pairs.insert(pairs.end(), others.begin(), others.end());
-  CHECK(pairs_to_check(pairs, {Plan::kTrain, Plan::kTest}).size() == 400);
+  CHECK(pairs_to_check(pairs, {Purpose::kTrain, Purpose::kTest}).size() == 400);
   CHECK(pairs_to_check(lens_pairs(1, {}), {}).size() == 200);
   CHECK_THROWS_WITH(fit_error_map_to_pairs(others, {}),
                     Contains("none of 200 pairs is of plan 'train'"));
-  CHECK_THROWS_WITH(pairs_to_check(others, {Plan::kControl}),
+  CHECK_THROWS_WITH(pairs_to_check(others, {Purpose::kControl}),
                     Contains("is of plan control; their plans are: "));
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using Catch::Contains;
 
-PairRow row(const std::string& id, std::optional<Plan> plan, double t_s) {
+PairRow row(const std::string& id, std::optional<Purpose> plan, double t_s) {
   PairRow pair;
   pair.id = id;
   pair.plan = plan;
@@ -24,7 +24,7 @@ PairRow row(const std::string& id, std::optional<Plan> plan, double t_s) {
   pair.lamps_B = {Eigen::Vector2d(0.3, 0.1), Eigen::Vector2d(0.34, 0.1)};
   pair.sigma_vision = 1e-6;
   pair.t_s = t_s;
-  if (plan == Plan::kPose) return pair;
+  if (plan == Purpose::kPose) return pair;
   pair.p_tracker = Eigen::Vector2d(0.32, 0.1);
   pair.p_reflector = Eigen::Vector2d(0.33, 0.09);
   pair.sigma_tracker = 1e-5;
@@ -34,8 +34,8 @@ PairRow row(const std::string& id, std::optional<Plan> plan, double t_s) {
 TEST_CASE("Places kept for checks tell nothing, and times count from the last of all") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const auto samples =
-      pose_samples(cell, {row("a", Plan::kTrain, 0.0), row("b", Plan::kPose, 1800.0),
-                          row("c", std::nullopt, 3600.0), row("d", Plan::kTest, 7200.0)});
+      pose_samples(cell, {row("a", Purpose::kTrain, 0.0), row("b", Purpose::kPose, 1800.0),
+                          row("c", std::nullopt, 3600.0), row("d", Purpose::kTest, 7200.0)});
   REQUIRE(samples.size() == 3);
   CHECK(samples[0].t_h == Approx(-2.0));
   CHECK(samples[2].t_h == Approx(-1.0));
@@ -71,7 +71,7 @@ TEST_CASE("A pair without lamps, joints or deviations is named") {
         +[](PairRow& pair) { pair.sigma_vision.reset(); },
         +[](PairRow& pair) { pair.p_reflector.reset(); },
         +[](PairRow& pair) { pair.sigma_tracker.reset(); }}) {
-    PairRow pair = row("p7", Plan::kTrain, 0.0);
+    PairRow pair = row("p7", Purpose::kTrain, 0.0);
     spoil(pair);
     CHECK_THROWS_WITH(pose_samples(cell, {pair}), Contains("pair 'p7' lacks"));
   }
@@ -90,7 +90,7 @@ TEST_CASE("An arm's readings come from pairs and from samples alike") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const test::TemporaryFolder folder;
   const auto pairs = folder.write(
-      "pairs.csv", pairs_text({row("a", Plan::kTest, 0.0), row("b", Plan::kPose, 0.0)}));
+      "pairs.csv", pairs_text({row("a", Purpose::kTest, 0.0), row("b", Purpose::kPose, 0.0)}));
   const auto samples = folder.write("samples.csv",
                                     "id,theta1_deg,theta2_deg,theta3_deg,x_mm,y_mm,sigma_mm\n"
                                     "a,5.7295779513,17.1887338539,34.3774677078,330,90,0.01\n");
@@ -112,7 +112,8 @@ TEST_CASE("A field at the lamps is judged where the tracker saw the reflector") 
   field.factor.setZero(n, n);
   field.tool.p_TS << 0.01, -0.01, 0.0;
   field.region.hull = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  PairRow pair = row("a", Plan::kTest, 0.0);  // the reflector is where lamps without error put it
+  PairRow pair =
+      row("a", Purpose::kTest, 0.0);  // the reflector is where lamps without error put it
   pair.p_vision << 0.32, 0.1;
   pair.p_tracker = Eigen::Vector2d(0.3199, 0.1);
   const MapCheck check = check_error_map(field, {pair});

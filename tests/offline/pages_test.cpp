@@ -206,7 +206,7 @@ Paired paired() {
     pair.p_vision = r * Eigen::Vector2d(std::cos(a), std::sin(a));
     pair.p_tracker = pair.p_vision - 1e-4 * Eigen::Vector2d(std::sin(5.0 * r), 0.5);
     pair.t_s = 10.0 * i;
-    pair.plan = Plan::kTrain;
+    pair.plan = Purpose::kTrain;
     paired.report.pairs.push_back(pair);
     for (const double off : {-10e-6, 10e-6})
       paired.request.tracker.push_back({pair.id, 10.0 * i, {1.0 + off / std::sqrt(2.0), 0.0, 0.0}});

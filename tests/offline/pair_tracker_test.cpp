@@ -25,7 +25,7 @@ Pose tracker_pose() {
   return X_BL;
 }
 
-void add_place(PairTrackerRequest& request, const ToolSight& sight, Plan plan) {
+void add_place(PairTrackerRequest& request, const ToolSight& sight, Purpose plan) {
   const auto number = static_cast<double>(request.frames.size());
   FrameRow frame;
   frame.id = sight.id;
@@ -59,7 +59,7 @@ PairTrackerRequest recorded(const SyntheticCell& cell) {
   FrameRow board;
   board.id = "grid_0";
   board.image = "images/grid_0.png";
-  board.plan = Plan::kHeldBoard;
+  board.plan = Purpose::kHeldBoard;
   LampRow no_lamps;
   no_lamps.id = board.id;
   no_lamps.image = board.image;
@@ -68,7 +68,7 @@ PairTrackerRequest recorded(const SyntheticCell& cell) {
   request.lamps.push_back(no_lamps);
   for (const ToolSight& sight : cell.recording(60, 12)) add_place(request, sight, sight.plan);
   std::mt19937 random(9);
-  add_place(request, cell.sight("judge", {0.1, -0.2}, 0.0, random), Plan::kTest);
+  add_place(request, cell.sight("judge", {0.1, -0.2}, 0.0, random), Purpose::kTest);
   return request;
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("A recording gives workplane, tool and a pair for every place") {
   CHECK(report.workplane.n_used == 72);
   CHECK(report.workplane.X_WC.isApprox(noiseless().X_WC_ref, kExact));
   CHECK(raw_error(report.pairs).max < kExact);
-  CHECK(raw_error(report.pairs, Plan::kTest).n == 1);
+  CHECK(raw_error(report.pairs, Purpose::kTest).n == 1);
   CHECK((report.pairs.back().p_tracker.value() - Eigen::Vector2d(0.1, -0.2)).norm() < kExact);
 }
 
@@ -118,7 +118,7 @@ TEST_CASE("Unattended poses are rows without the tracker's word, and fit nothing
   std::mt19937 random(3);
   for (int i = 0; i < 100; ++i) {
     add_place(request, cell.sight("pose" + std::to_string(i), {0.003 * i, 0.2}, 0.1 * i, random),
-              Plan::kPose);
+              Purpose::kPose);
     request.tracker.pop_back();
   }
   const PairTrackerReport report = pair_tracker(request);
@@ -139,7 +139,7 @@ TEST_CASE("Places kept for judging do not move the workplane and are not left ou
   const PairTrackerReport report = pair_tracker(request);
   CHECK(report.workplane.X_WC.isApprox(noiseless().X_WC_ref, kExact));
   CHECK(report.rejected.empty());
-  CHECK(raw_error(report.pairs, Plan::kTest).max > 4.0 * kMillimetre);
+  CHECK(raw_error(report.pairs, Purpose::kTest).max > 4.0 * kMillimetre);
 }
 
 TEST_CASE("Places without tracker or lamps and outliers are named and have no pair") {
@@ -174,7 +174,7 @@ TEST_CASE("A board on the plane gives its height and tilt") {
   request.boards_on_plane = {laid(cell.X_WC_ref.inverse() * X_WG)};
   const PairTrackerReport report = pair_tracker(request);
   CHECK(report.workplane.absorbed == 3);
-  CHECK(raw_error(report.pairs, Plan::kTrain).rms > 0.3 * kMillimetre);
+  CHECK(raw_error(report.pairs, Purpose::kTrain).rms > 0.3 * kMillimetre);
 }
 
 TEST_CASE("Boards whose dots lie off the lamps' plane give that plane when it is said how far") {
@@ -190,7 +190,7 @@ TEST_CASE("Boards whose dots lie off the lamps' plane give that plane when it is
   const PairTrackerReport report = pair_tracker(request);
   CHECK(report.workplane.absorbed == 3);
   CHECK(report.workplane.X_WC.isApprox(cell.X_WC_ref, kExact));
-  CHECK(raw_error(report.pairs, Plan::kTrain).rms < kExact);
+  CHECK(raw_error(report.pairs, Purpose::kTrain).rms < kExact);
 }
 
 TEST_CASE(
@@ -206,7 +206,8 @@ TEST_CASE(
   for (int i = 0; i < 40; ++i) {
     const Joints theta(0.15 * i, 0.15 * i + 1.0, 0.4 * i);
     const TipPose tip = arm.forward(theta);
-    add_place(request, cell.sight("p" + std::to_string(i), tip.p, tip.phi, random), Plan::kTrain);
+    add_place(request, cell.sight("p" + std::to_string(i), tip.p, tip.phi, random),
+              Purpose::kTrain);
     request.frames.back().theta = theta;
     request.tracker.pop_back();
   }
@@ -238,7 +239,7 @@ TEST_CASE("Lamps of another recording and readings without monuments are refused
 TEST_CASE("Every printed figure of pairs stands in the JSON, by plan") {
   const PairTrackerReport report = pair_tracker(recorded(SyntheticCell()));
   const nlohmann::json json = pair_tracker_list(report).json();
-  const Summary raw = raw_error(report.pairs, Plan::kTrain);
+  const Summary raw = raw_error(report.pairs, Purpose::kTrain);
   REQUIRE(json["raw"].contains("train"));
   CHECK(json["raw"]["train"]["pairs"] == raw.n);
   CHECK(json["raw"]["train"]["max_mm"].get<double>() == Approx(raw.max / kMillimetre));

@@ -34,14 +34,14 @@ class RecordedBench {
     for (int i = 0; i < 24; ++i) {
       const double angle = 2.0 * kPi * i / 24.0;
       const Eigen::Vector2d p = rotation2d(angle) * Eigen::Vector2d(0.3, 0.3);
-      record("sweep1_" + std::to_string(i), Plan::kSweep1, p, angle, {angle, angle + kPi / 2.0});
+      record("sweep1_" + std::to_string(i), Purpose::kSweep1, p, angle, {angle, angle + kPi / 2.0});
     }
     for (int i = 0; i < 24; ++i)
-      record("sweep3_" + std::to_string(i), Plan::kSweep3, {0.25, 0.1}, 2.0 * kPi * i / 24.0,
+      record("sweep3_" + std::to_string(i), Purpose::kSweep3, {0.25, 0.1}, 2.0 * kPi * i / 24.0,
              {0.1, 1.2});
     std::uniform_real_distribution<double> place(-0.42, 0.42);
     for (int i = 0; i < kTrainingPlaces; ++i)
-      record("train_" + std::to_string(i), Plan::kTrain, {place(random_), place(random_)}, 0.0,
+      record("train_" + std::to_string(i), Purpose::kTrain, {place(random_), place(random_)}, 0.0,
              {0.01 * i, 1.0});
     read_monuments();
   }
@@ -101,7 +101,7 @@ class RecordedBench {
     const double t_s = kSecondsPerPlace * static_cast<double>(request.frames.size()) - 9.9;
     request.tracker.push_back({id, t_s, tracker_stand().inverse() * p_B});
   }
-  void record(const std::string& id, Plan plan, const Eigen::Vector2d& p, double phi,
+  void record(const std::string& id, Purpose plan, const Eigen::Vector2d& p, double phi,
               const Eigen::Vector2d& theta12) {
     const ToolSight sight = cell_.sight(id, p, phi, random_);
     FrameRow frame;

@@ -19,16 +19,16 @@ constexpr double kRounding = 1e-12;
 TEST_CASE("The experiment records what the paper did, and every position can be reached") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const std::vector<PlanRow> plan = experiment_plan(cell, 1).rows;
-  std::map<Plan, int> counts;
+  std::map<Purpose, int> counts;
   std::set<std::string> ids;
   for (const PlanRow& row : plan) {
     ++counts[row.plan];
     CHECK(ids.insert(row.id).second);
   }
-  CHECK(counts[Plan::kTrain] == 200);
-  CHECK(counts[Plan::kTest] == 30);
-  CHECK(counts[Plan::kCheck] == 3 * 24 + 3 * 4 * 25);
-  CHECK(counts[Plan::kLaidBoard] == 1);
+  CHECK(counts[Purpose::kTrain] == 200);
+  CHECK(counts[Purpose::kTest] == 30);
+  CHECK(counts[Purpose::kCheck] == 3 * 24 + 3 * 4 * 25);
+  CHECK(counts[Purpose::kLaidBoard] == 1);
   CHECK_NOTHROW(joints_of_plan(cell, plan));
 }
 
@@ -37,10 +37,10 @@ TEST_CASE(
   const CellSettings cell = read_cell(test::paper_cell_file());
   const ExperimentSize size = with_loop_only(with_readings({}, 12), 2);
   const ExperimentPlan plan = experiment_plan(cell, 1, size);
-  std::map<Plan, int> counts;
+  std::map<Purpose, int> counts;
   for (const PlanRow& row : plan.rows) ++counts[row.plan];
-  CHECK(counts[Plan::kTrain] + counts[Plan::kSweep1] + counts[Plan::kSweep3] == 12);
-  CHECK(counts[Plan::kTest] == 8);
+  CHECK(counts[Purpose::kTrain] + counts[Purpose::kSweep1] + counts[Purpose::kSweep3] == 12);
+  CHECK(counts[Purpose::kTest] == 8);
   CHECK(plan.circle_points.empty());
   CHECK(control_targets(cell.workspace, size).size() == 8);
 }
@@ -62,7 +62,7 @@ TEST_CASE("The same seed draws the same training positions, another seed others"
   const CellSettings cell = read_cell(test::paper_cell_file());
   const auto first_training_point = [&](std::uint64_t seed) {
     for (const PlanRow& row : experiment_plan(cell, seed).rows)
-      if (row.plan == Plan::kTrain) return std::get<TipPose>(row.where).p;
+      if (row.plan == Purpose::kTrain) return std::get<TipPose>(row.where).p;
     throw std::logic_error("no training position");
   };
   CHECK(first_training_point(3) == first_training_point(3));
@@ -99,9 +99,9 @@ TEST_CASE("The paper's circles are those of the paper's workspace, and shrink wi
 
 TEST_CASE("A plan beyond reach is refused whole, every bad row by its id") {
   const CellSettings cell = read_cell(test::paper_cell_file());
-  const std::vector<PlanRow> plan{{"far", Plan::kTrain, TipPose{{0.7, 0.0}, 0.0}},
-                                  {"fine", Plan::kTrain, TipPose{{0.3, 0.0}, 0.0}},
-                                  {"near", Plan::kTrain, TipPose{{0.01, 0.0}, 0.0}}};
+  const std::vector<PlanRow> plan{{"far", Purpose::kTrain, TipPose{{0.7, 0.0}, 0.0}},
+                                  {"fine", Purpose::kTrain, TipPose{{0.3, 0.0}, 0.0}},
+                                  {"near", Purpose::kTrain, TipPose{{0.01, 0.0}, 0.0}}};
   CHECK_THROWS_WITH(joints_of_plan(cell, plan), Catch::Contains("plan row 'far'") &&
                                                     Catch::Contains("plan row 'near'") &&
                                                     !Catch::Contains("'fine'"));

@@ -12,7 +12,7 @@
 namespace planar {
 namespace {
 
-long rows_of(const ProposedPlan& plan, Plan kind) {
+long rows_of(const ProposedPlan& plan, Purpose kind) {
   return std::count_if(plan.rows.begin(), plan.rows.end(),
                        [&](const PlanRow& row) { return row.plan == kind; });
 }
@@ -20,14 +20,15 @@ long rows_of(const ProposedPlan& plan, Plan kind) {
 TEST_CASE("A first plan has views, sweeps and places, and the arm can make all of it") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const ProposedPlan plan = propose_plan(cell, {40});
-  CHECK(rows_of(plan, Plan::kHeldBoard) >= 10);
-  CHECK(rows_of(plan, Plan::kLaidBoard) == 1);
-  CHECK(rows_of(plan, Plan::kSweep1) + rows_of(plan, Plan::kSweep3) + rows_of(plan, Plan::kTrain) ==
+  CHECK(rows_of(plan, Purpose::kHeldBoard) >= 10);
+  CHECK(rows_of(plan, Purpose::kLaidBoard) == 1);
+  CHECK(rows_of(plan, Purpose::kSweep1) + rows_of(plan, Purpose::kSweep3) +
+            rows_of(plan, Purpose::kTrain) ==
         40);
   CHECK_NOTHROW(joints_of_plan(cell, plan.rows));
   CHECK(plan.after < 0.2 * plan.before);
   CHECK(plan.worth_reading());
-  CHECK(plan.enough <= rows_of(plan, Plan::kTrain));
+  CHECK(plan.enough <= rows_of(plan, Purpose::kTrain));
 }
 
 TEST_CASE("A first plan begins with what needs the tracker and ends with the views of the board") {
@@ -40,7 +41,7 @@ TEST_CASE("A first plan begins with what needs the tracker and ends with the vie
 TEST_CASE("The order of a plan's places is random in space, and the same every time") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const ProposedPlan plan = propose_plan(cell, {100});
-  CHECK(rows_of(plan, Plan::kTrain) == 76);
+  CHECK(rows_of(plan, Purpose::kTrain) == 76);
   CHECK(test::step_over_distance(plan.rows) > 0.85);
   CHECK(plan_text(plan.rows) == plan_text(propose_plan(cell, {100}).rows));
 }
@@ -64,9 +65,9 @@ TEST_CASE("Too few readings for a first plan are refused") {
 TEST_CASE("A plan without a tracker has turned poses and lays, and the arm can make all of it") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const ProposedPlan plan = propose_plan(cell, {0, 60, 5});
-  CHECK(rows_of(plan, Plan::kHeldBoard) >= 10);
-  CHECK(rows_of(plan, Plan::kLaidBoard) == 5);
-  CHECK(rows_of(plan, Plan::kPose) > 50);
+  CHECK(rows_of(plan, Purpose::kHeldBoard) >= 10);
+  CHECK(rows_of(plan, Purpose::kLaidBoard) == 5);
+  CHECK(rows_of(plan, Purpose::kPose) > 50);
   CHECK(std::none_of(plan.rows.begin(), plan.rows.end(),
                      [](const PlanRow& row) { return needs_reading(row.plan); }));
   CHECK_NOTHROW(joints_of_plan(cell, plan.rows));
@@ -77,7 +78,7 @@ TEST_CASE("Unattended poses follow the readings") {
   const ProposedPlan plan = propose_plan(read_cell(test::paper_cell_file()), {40, 30});
   const auto attended = [](const PlanRow& row) { return needs_reading(row.plan); };
   CHECK(std::is_partitioned(plan.rows.begin(), plan.rows.end(), attended));
-  CHECK(rows_of(plan, Plan::kPose) > 25);
+  CHECK(rows_of(plan, Purpose::kPose) > 25);
 }
 
 TEST_CASE("Without a tracker too few lays or poses are refused") {

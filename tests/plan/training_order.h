@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/files/tables/recording_tables.h"
 
 namespace planar::test {
@@ -12,7 +12,7 @@ namespace planar::test {
 inline double step_over_distance(const std::vector<PlanRow>& rows) {
   std::vector<Eigen::Vector2d> places;
   for (const PlanRow& row : rows)
-    if (row.plan == Plan::kTrain) places.push_back(std::get<TipPose>(row.where).p);
+    if (row.plan == Purpose::kTrain) places.push_back(std::get<TipPose>(row.where).p);
   const auto n = static_cast<double>(places.size());
   double steps = 0.0, distances = 0.0;
   for (std::size_t i = 0; i < places.size(); ++i) {

@@ -102,8 +102,8 @@ struct BoardBench {
     request.cell.camera.width_px = request.cell.camera.height_px = kSide_px;
     request.board = parse_board("circles:5x4:10mm");
     for (const char* id : {"g1", "g2"})
-      request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
-    request.plan.push_back({"l1", Plan::kLaidBoard, std::monostate()});
+      request.plan.push_back({id, Purpose::kHeldBoard, std::monostate()});
+    request.plan.push_back({"l1", Purpose::kLaidBoard, std::monostate()});
     return request;
   }
   GuidedBoard guided(FrameSource& camera, const std::set<std::string>& present = {}) {
@@ -171,7 +171,7 @@ TEST_CASE("Views that a recording holds are known again after a stop") {
              frames_header() + frame_line({"g1",
                                            "images/g1_0.pgm",
                                            0.0,
-                                           Plan::kHeldBoard,
+                                           Purpose::kHeldBoard,
                                            {},
                                            {},
                                            {0, 0, kSide_px, kSide_px}}));

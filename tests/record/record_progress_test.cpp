@@ -19,10 +19,10 @@ struct ProgressBench {
 
   ProgressBench() {
     for (const char* id : {"t0", "t1", "t2", "t3"})
-      request.plan.push_back({id, Plan::kTrain, TipPose{{0.3, 0.1}, 0.0}});
-    request.plan.push_back({"u0", Plan::kPose, TipPose{{0.3, 0.2}, 0.0}});
+      request.plan.push_back({id, Purpose::kTrain, TipPose{{0.3, 0.1}, 0.0}});
+    request.plan.push_back({"u0", Purpose::kPose, TipPose{{0.3, 0.2}, 0.0}});
     for (const char* id : {"g0", "g1"})
-      request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
+      request.plan.push_back({id, Purpose::kHeldBoard, std::monostate()});
   }
   RecordProgress progress(LiveView* display = nullptr) {
     BegunRecording begun;

@@ -112,15 +112,15 @@ TEST_CASE("An interrupted recording resumes with the board's next views") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
   for (const char* id : {"g0", "g1"})
-    request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
-  request.plan.push_back({"p0", Plan::kLaidBoard, std::monostate()});
+    request.plan.push_back({id, Purpose::kHeldBoard, std::monostate()});
+  request.plan.push_back({"p0", Purpose::kLaidBoard, std::monostate()});
   NotingDevices first;
   CHECK(record(request, first).recorded == 3);
   CHECK(first.held == std::vector<int>{0, 1});
   CHECK(first.laid == std::vector<int>{0});
 
   for (const char* id : {"g2", "g3"})
-    request.plan.push_back({id, Plan::kHeldBoard, std::monostate()});
+    request.plan.push_back({id, Purpose::kHeldBoard, std::monostate()});
   NotingDevices second;
   const RecordReport report = record(request, second);
   CHECK(report.present == 3);
@@ -132,8 +132,8 @@ TEST_CASE("An interrupted recording resumes with the board's next views") {
 TEST_CASE("A camera that is not back within a minute ends the recording, which can be resumed") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"g0", Purpose::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   devices.camera_dies_s = devices.clock().now_s() + 0.5;  // the move takes seconds
   CHECK_THROWS_WITH(record(request, devices), Catch::Contains("t0: the camera is dead") &&
@@ -147,8 +147,8 @@ TEST_CASE("A camera that is not back within a minute ends the recording, which c
 TEST_CASE("A camera that fails on the way or at a place is waited for, and the recording goes on") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"g0", Purpose::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   devices.camera_dies_s = devices.clock().now_s() + GENERATE(-1.0, 0.5);
   devices.camera_is_back_s = *devices.camera_dies_s + 30.0;
@@ -161,8 +161,8 @@ TEST_CASE("A cell with fixed lamps is recorded with a whole frame twice a minute
   RecordRequest request{read_cell(test::workshop_cell_file()), {}, folder.path() / "recording"};
   request.cell.servo.settle_s = 4.0;
   for (int i = 0; i < 24; ++i)
-    request.plan.push_back(
-        {"t" + std::to_string(i), Plan::kTrain, TipPose{0.3 * rotation2d(0.25 * i).col(0), 0.0}});
+    request.plan.push_back({"t" + std::to_string(i), Purpose::kTrain,
+                            TipPose{0.3 * rotation2d(0.25 * i).col(0), 0.0}});
   record(request, *open_cell(request.cell));
   std::vector<double> whole_s;
   const std::vector<FrameRow> frames = read_frames(request.recording);
@@ -179,7 +179,7 @@ TEST_CASE("A cell with fixed lamps is recorded with a whole frame twice a minute
 TEST_CASE("The monuments are read before the arm moves and once more at the end") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   record(request, devices);
   std::string order;
@@ -191,7 +191,7 @@ TEST_CASE("The monuments are read before the arm moves and once more at the end"
 TEST_CASE("What is missing of the monuments at the end is read by the next run, and no more") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   record(request, devices);
   const std::filesystem::path table = request.recording / "tracker.csv";
@@ -214,9 +214,9 @@ TEST_CASE(
     "Views of the board at the end need no tracker: monuments come first, and the arm parks") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
-  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
-  request.plan.push_back({"g1", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"g0", Purpose::kHeldBoard, std::monostate()});
+  request.plan.push_back({"g1", Purpose::kHeldBoard, std::monostate()});
   NotingDevices devices;
   devices.dead_after_reading_s = GENERATE(0.0, 20.0);  // the arm parks all the same
   record(request, devices);
@@ -230,7 +230,7 @@ TEST_CASE(
   CHECK((p - PlanarArm(request.cell.arm.geometry).forward(request.cell.arm.home).p).norm() <
         0.2 * rim_m);
 
-  request.plan.push_back({"g2", Plan::kHeldBoard, std::monostate()});
+  request.plan.push_back({"g2", Purpose::kHeldBoard, std::monostate()});
   NotingDevices later;
   CHECK(record(request, later).recorded == 1);
   CHECK(later.asked == Ids{"board"});
@@ -239,9 +239,9 @@ TEST_CASE(
 TEST_CASE("Views of the board before the last reading leave the arm and the monuments alone") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
-  request.plan.push_back({"g0", Plan::kHeldBoard, std::monostate()});
-  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"g0", Purpose::kHeldBoard, std::monostate()});
+  request.plan.push_back({"t1", Purpose::kTrain, TipPose{{0.2, 0.3}, 0.0}});
   NotingDevices devices;
   record(request, devices);
   const std::vector<FrameRow> frames = read_frames(request.recording);
@@ -255,7 +255,7 @@ TEST_CASE("Views of the board before the last reading leave the arm and the monu
 TEST_CASE("Drives that do not arrive name the place, and the recording can be resumed") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   devices.stall();
   CHECK_THROWS_WITH(record(request, devices),
@@ -268,10 +268,10 @@ TEST_CASE("Drives that do not arrive name the place, and the recording can be re
 TEST_CASE("Who left after the monuments is asked for the reflector on the tool, later nobody is") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan = {{"u0", Plan::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
+  request.plan = {{"u0", Purpose::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
   NotingDevices unattended;
   record(request, unattended);
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   const auto asked_before_a_failure = [&](double camera_dies_s) {
     NotingDevices devices;
     devices.camera_dies_s = camera_dies_s;
@@ -283,7 +283,7 @@ TEST_CASE("Who left after the monuments is asked for the reflector on the tool, 
   NotingDevices devices;
   record(request, devices);
   CHECK(devices.asked.front() == "tool");
-  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t1", Purpose::kTrain, TipPose{{0.2, 0.3}, 0.0}});
   NotingDevices later;
   record(request, later);
   CHECK(later.asked.front() == "t1");
@@ -292,13 +292,13 @@ TEST_CASE("Who left after the monuments is asked for the reflector on the tool, 
 TEST_CASE("No reading is asked for at a pose that only the camera watches") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
-  request.plan.push_back({"u0", Plan::kPose, TipPose{{-0.2, 0.2}, 0.4}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"u0", Purpose::kPose, TipPose{{-0.2, 0.2}, 0.4}});
   NotingDevices devices;
   CHECK(record(request, devices).recorded == 2);
   const auto frames = read_frames(request.recording);
   CHECK(frames.back().id == "u0");
-  CHECK(frames.back().plan == Plan::kPose);
+  CHECK(frames.back().plan == Purpose::kPose);
   for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
     CHECK(row.id != "u0");
 }
@@ -306,8 +306,8 @@ TEST_CASE("No reading is asked for at a pose that only the camera watches") {
 TEST_CASE("A recording is not resumed by another plan or another cell") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
-  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t1", Purpose::kTrain, TipPose{{0.2, 0.3}, 0.0}});
   NotingDevices devices;
   record(request, devices);
   const auto again = [&](const auto& change) {
@@ -317,14 +317,14 @@ TEST_CASE("A recording is not resumed by another plan or another cell") {
     record(other, fresh);
   };
   CHECK_NOTHROW(again([](RecordRequest& r) {
-    r.plan.push_back({"t2", Plan::kTest, TipPose{{0.1, 0.3}, 0.0}});
+    r.plan.push_back({"t2", Purpose::kTest, TipPose{{0.1, 0.3}, 0.0}});
   }));
   CHECK_THROWS_WITH(
       again([](RecordRequest& r) {
         r.plan[1].where = TipPose{{0.2, 0.31}, 0.0};
       }),
       Catch::Contains("'t1' went to") && Catch::Contains("this plan and cell send it to"));
-  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.plan[0].plan = Plan::kTest; }),
+  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.plan[0].plan = Purpose::kTest; }),
                     Catch::Contains("'t0' is of plan train, and of plan test in this one"));
   CHECK_THROWS_WITH(again([](RecordRequest& r) { r.cell.arm.geometry.link_lengths_m.x() += 1e-3; }),
                     Catch::Contains("'t0' went to") && Catch::Contains("name another folder"));
@@ -341,8 +341,8 @@ TEST_CASE("A recording is not resumed by another plan or another cell") {
 
 RecordRequest two_places(const test::TemporaryFolder& folder) {
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
-  request.plan.push_back({"t0", Plan::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
-  request.plan.push_back({"t1", Plan::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+  request.plan.push_back({"t1", Purpose::kTrain, TipPose{{0.2, 0.3}, 0.0}});
   return request;
 }
 
@@ -384,7 +384,7 @@ TEST_CASE("A place is left out on request, and the next run takes it") {
   CHECK(record(request, again).recorded == 1);
   CHECK(ids_in_tables(request) == Ids{"t1", "t0", "t1", "t0"});
   request.on_bad_reading = BadReading::kStop;
-  request.plan.push_back({"t2", Plan::kTrain, TipPose{{0.1, 0.3}, 0.0}});
+  request.plan.push_back({"t2", Purpose::kTrain, TipPose{{0.1, 0.3}, 0.0}});
   again.answers = {TrackerAnswer::failed("the beam is broken")};
   CHECK_THROWS_WITH(record(request, again), Catch::Contains("no reading of the place 't2'"));
 }
@@ -419,8 +419,8 @@ TEST_CASE("Without a tracker what asks for a reading is refused, and the rest is
                     Catch::Contains("2 rows of the plan ask for a tracker reading, 't0'") &&
                         Catch::Contains("the plan pose"));
   CHECK_FALSE(std::filesystem::exists(request.recording));
-  request.plan = {{"g0", Plan::kHeldBoard, std::monostate()},
-                  {"u0", Plan::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
+  request.plan = {{"g0", Purpose::kHeldBoard, std::monostate()},
+                  {"u0", Purpose::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
   CHECK(record(request, devices).recorded == 2);
   CHECK(devices.asked == Ids{"board"});
 }

@@ -90,9 +90,9 @@ struct TrackedBench {
   RecordRequest request(const CellSettings& cell, const std::string& name) const {
     RecordRequest request{cell, {}, folder.path() / name};
     for (int i = 0; i < 4; ++i)
-      request.plan.push_back({"t" + std::to_string(i), Plan::kTrain,
+      request.plan.push_back({"t" + std::to_string(i), Purpose::kTrain,
                               TipPose{0.3 * rotation2d(0.5 * i + 1.0).col(0), 0.0}});
-    request.plan.push_back({"u0", Plan::kPose, TipPose{{-0.2, 0.2}, 0.0}});
+    request.plan.push_back({"u0", Purpose::kPose, TipPose{{-0.2, 0.2}, 0.0}});
     return request;
   }
   /// Holds a recording against one with the virtual tracker.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -15,6 +16,11 @@ namespace {
 
 /// What the arm of the sample cell is off from its commands, at most.
 constexpr double kArmOff_m = 2e-3;
+
+CalibratedCell by_links(CalibratedCell cell) {
+  cell.planner = joint_planner(cell.settings);
+  return cell;
+}
 
 /// A sound virtual cell, calibrated, whose end point is watched on its way.
 struct CheckedCell {
@@ -55,12 +61,12 @@ struct CheckedCell {
     return nearest_m;
   }
 
-  CellCheck check() { return {cell, vision, robot, sensor, devices->clock(), joint_planner(cell)}; }
+  CellCheck check() { return {known, robot, sensor, devices->clock()}; }
 
-  CellSettings cell{read_cell(test::workshop_cell_file())};
+  CalibratedCell known{by_links(read_calibrated_cell(read_cell(test::workshop_cell_file())))};
+  CellSettings& cell{known.settings};
   std::unique_ptr<CellDevices> devices{open_cell(cell)};
-  VisionCalibration vision{read_vision(cell, true)};
-  LampTipSensor sensor{vision, CenterMethod::kAuto, devices->camera(),
+  LampTipSensor sensor{*known.vision, CenterMethod::kAuto, devices->camera(),
                        cell.camera.follow_region_px};
   Transmission transmission{cell.transmission};
   PlanarRobot robot{PlanarArm(cell.arm.geometry), transmission, devices->drives(),

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "run/hiccup_cell.h"
 #include "support/sample_cells.h"
@@ -25,7 +26,7 @@ TEST_CASE("A path does not begin beside its beginning when the look for play bre
   const CellSettings cell = read_cell(test::workshop_cell_file());
   test::HiccupCell devices(cell);
   ServoRequest request;
-  request.cell = cell;
+  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
   request.out = folder / "run";
   request.check_health = false;
   const TipPose start{{0.26, 0.20}, cell.tool_orientation};

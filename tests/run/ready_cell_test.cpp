@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 
@@ -12,8 +11,9 @@ namespace {
 
 TEST_CASE("The calibration narrows the guard, but not that of a chain that has no guard") {
   ServoRequest request;
-  request.cell = read_cell(test::workshop_cell_file());
-  const auto devices = open_cell(request.cell);
+  const CellSettings cell = read_cell(test::workshop_cell_file());
+  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
+  const auto devices = open_cell(cell);
   const GuardLimits widest;
   const GuardLimits guarded = ReadyCell(request, *devices).limits();
   CHECK(guarded.noise_m == widest.noise_m);
@@ -27,14 +27,13 @@ TEST_CASE("The calibration narrows the guard, but not that of a chain that has n
 }
 
 TEST_CASE("A map whose fit speaks against it is refused until a person accepts it") {
-  const CellSettings cell = read_cell(test::workshop_cell_file());
-  VisionCalibration vision = read_vision(cell, true);
-  CHECK_FALSE(accept_map(cell, vision, false));
-  vision.map_objection = Refusal{"its fit says not to use it"};
-  CHECK_THROWS_WITH(accept_map(cell, vision, false),
+  CalibratedCell cell = read_calibrated_cell(read_cell(test::workshop_cell_file()));
+  CHECK_FALSE(accept_map(cell, false));
+  cell.vision->map_objection = Refusal{"its fit says not to use it"};
+  CHECK_THROWS_WITH(accept_map(cell, false),
                     Catch::Contains("map.yaml: its fit says not to use it") &&
                         Catch::Contains("--no-error-map") && Catch::Contains("--accept-map"));
-  CHECK(accept_map(cell, vision, true) == vision.map_objection->fault);
+  CHECK(accept_map(cell, true) == cell.vision->map_objection->fault);
 }
 
 }  // namespace

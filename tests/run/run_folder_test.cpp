@@ -1,4 +1,4 @@
-#include "planar_servo/work/run/run_folder.h"
+#include "planar_servo/work/run/run_files.h"
 
 #include <catch2/catch.hpp>
 

@@ -16,15 +16,15 @@ TargetResult reached(const std::string& id, double before_m, double after_m) {
   result.status = ServoStatus::kReached;
   result.iterations = 2;
   result.seconds = 1.5;
-  result.before_truth = Eigen::Vector2d(before_m, 0.0);
-  result.after_truth = Eigen::Vector2d(0.0, after_m);
-  result.before_own = result.before_truth;
+  result.before_judged = Eigen::Vector2d(before_m, 0.0);
+  result.after_judged = Eigen::Vector2d(0.0, after_m);
+  result.before_own = result.before_judged;
   result.after_own = Eigen::Vector2d(1e-6, 0.0);
   return result;
 }
 
 std::string page_of(const std::vector<TargetResult>& results) {
-  std::string page = servo_page({}, figures_of(results), results);
+  std::string page = servo_page("cell.yaml", figures_of(results), results);
   CHECK(test::fault_of_xml(page).empty());
   return page;
 }
@@ -108,7 +108,7 @@ TEST_CASE("A run in which targets were not reached is said to be one") {
 
 TEST_CASE("Without a truth no figure claims one") {
   TargetResult result = reached("a", 1e-3, 1e-5);
-  result.before_truth = result.after_truth = std::nullopt;
+  result.before_judged = result.after_judged = std::nullopt;
   const auto json = servo_list(figures_of({result})).json();
   CHECK_FALSE(json.contains("after_mean_mm_truth"));
   CHECK(json.contains("after_mean_mm_own_view"));
@@ -117,9 +117,9 @@ TEST_CASE("Without a truth no figure claims one") {
 
 TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and is taken out") {
   TargetResult a = reached("a", 1e-3, 5e-5), b = reached("b", 1e-3, 5e-5), c = a;
-  a.sigma_truth_m = b.sigma_truth_m = 3e-5;
+  a.sigma_judged_m = b.sigma_judged_m = 3e-5;
   c.id = "c";
-  c.before_truth = c.after_truth = std::nullopt;
+  c.before_judged = c.after_judged = std::nullopt;
   c.not_judged = "a broken beam";
   const ServoFigures figures = figures_of({a, b, c});
   const auto json = servo_list(figures).json();
@@ -136,7 +136,7 @@ TEST_CASE("Where a tracker judges, its uncertainty stands beside the errors and 
                                              Catch::Contains("uncertain by 0.0300 mm per axis") &&
                                              Catch::Contains("not judged: c: a broken beam") &&
                                              !Catch::Contains("against the truth"));
-  a.sigma_truth_m = 1e-4;
+  a.sigma_judged_m = 1e-4;
   CHECK(servo_list(figures_of({a})).json()["after_rms_net_mm_truth"] == 0.0);
   CHECK_THAT(servo_list(figures_of({a})).text(),
              Catch::Contains("which explains the errors with vision"));
@@ -147,7 +147,7 @@ TEST_CASE("The stated interval allows for the tracker that judges it") {
   a.uncertainty_m = 3e-6;
   a.vision_compensated = Eigen::Vector2d(9e-6, 0.0);
   CHECK(figures_of({a}).coverage_95->share() == 0.5);
-  a.sigma_truth_m = 4e-6;
+  a.sigma_judged_m = 4e-6;
   CHECK(figures_of({a}).coverage_95->share() == 1.0);
 }
 
@@ -186,14 +186,14 @@ TEST_CASE("A refused target counts as a target that was not reached and has no e
   const ServoFigures figures = figures_of({reached("a", 1e-3, 1e-5), refused});
   CHECK(figures.targets == 2);
   CHECK(figures.reached == 1);
-  CHECK(figures.after_truth->n == 1);
+  CHECK(figures.after_judged->n == 1);
 }
 
 TEST_CASE("The page of a run says who judged it, though the first target was not judged") {
   TargetResult unseen = reached("a", 1e-3, 5e-5), seen = reached("b", 1e-3, 5e-5);
-  unseen.before_truth = unseen.after_truth = std::nullopt;
+  unseen.before_judged = unseen.after_judged = std::nullopt;
   unseen.not_judged = "a broken beam";
-  seen.sigma_truth_m = 3e-5;
+  seen.sigma_judged_m = 3e-5;
   const std::string page = page_of({unseen, seen});
   CHECK_THAT(page, Catch::Contains("Errors against the tracker") &&
                        Catch::Contains("<th scope=\"col\">tracker mm</th>") &&
@@ -216,7 +216,7 @@ TEST_CASE("The page of a run begins with targets reached and accuracy, and says 
 
 TEST_CASE("The page of a run that nobody judged says so, and how to have it judged") {
   TargetResult result = reached("a", 1e-3, 1e-5);
-  result.before_truth = result.after_truth = std::nullopt;
+  result.before_judged = result.after_judged = std::nullopt;
   CHECK_THAT(page_of({result}), Catch::Contains("By vision's own estimate, the arm alone landed") &&
                                     Catch::Contains("Nobody else judged this run") &&
                                     Catch::Contains("--judged") && !Catch::Contains("truth"));
@@ -233,10 +233,11 @@ TEST_CASE("The page of a run without a single measured target still has its verd
 
 TEST_CASE("What ended a run early stands in the verdict of its page, with the remedy") {
   const std::vector<TargetResult> results{reached("a", 1e-3, 1e-5)};
-  CHECK_THAT(servo_page({}, figures_of(results), results, "b: held: two lamps changed places"),
-             Catch::Contains("verdict bad") &&
-                 Catch::Contains("the run was ended at b: held: two lamps changed places") &&
-                 Catch::Contains("--resume"));
+  CHECK_THAT(
+      servo_page("cell.yaml", figures_of(results), results, "b: held: two lamps changed places"),
+      Catch::Contains("verdict bad") &&
+          Catch::Contains("the run was ended at b: held: two lamps changed places") &&
+          Catch::Contains("--resume"));
 }
 
 TEST_CASE("Errors share one scale of arrows unless some could not be seen at it") {

@@ -8,10 +8,11 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/work/run/resumed_run.h"
+#include "planar_servo/work/run/run_files.h"
 #include "run/hiccup_cell.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
@@ -123,11 +124,14 @@ CellSettings ideal_cell(const test::TemporaryFolder& folder) {
   return cell;
 }
 
+std::shared_ptr<const CalibratedCell> without_map(const CellSettings& cell) {
+  return std::make_shared<CalibratedCell>(read_calibrated_cell(cell, false));
+}
+
 /// Asks for a run of that cell without an error map.
 ServoRequest ideal_request(const test::TemporaryFolder& folder) {
   ServoRequest request;
-  request.cell = ideal_cell(folder);
-  request.use_error_map = false;
+  request.cell = without_map(ideal_cell(folder));
   request.out = folder / "run";
   return request;
 }
@@ -158,11 +162,12 @@ class LeftCell final : public test::UnhomedCell {
 TEST_CASE("Whatever a board counts, its drives home before anything is planned, or nothing moves") {
   const test::TemporaryFolder folder;
   std::mt19937 random(37);
+  CellSettings cell = ideal_cell(folder);
+  for (MotorDrive& drive : cell.transmission.drives) drive.home = HomeReference::kReverseSwitch;
   ServoRequest request = ideal_request(folder);
-  for (MotorDrive& drive : request.cell.transmission.drives)
-    drive.home = HomeReference::kReverseSwitch;
+  request.cell = without_map(cell);
   for (int start = 0; start < 200; ++start) {
-    LeftCell devices(request.cell, random);
+    LeftCell devices(cell, random);
     const bool allowed = start % 2 == 0;
     request.check_health = start % 4 < 2;
     request.may_home = [&](Homing /*way*/, const std::string& unhomed) {
@@ -268,7 +273,7 @@ TEST_CASE("A camera is waited for in full after a long judgement") {
   double well_s = 0.0;
   devices.hiccup.fails = [&] { return devices.clock().now_s() < well_s; };
   ServoRequest request;
-  request.cell = cell;
+  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
   request.out = folder / "run";
   request.check_health = false;
   const auto judge = std::make_shared<SlowJudge>(devices.clock());
@@ -305,6 +310,24 @@ TEST_CASE("While the cell is looked at, drive and camera are waited for, but not
   CHECK_FALSE(run.has("a"));
 }
 
+TEST_CASE("A run without a folder reaches its target and writes nothing") {
+  const CellSettings cell = read_cell(test::workshop_cell_file());
+  const auto devices = open_cell(cell);
+  const test::TemporaryFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  ServoRequest request;
+  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
+  request.check_health = false;
+  ServoRun run(request, *devices);
+  const TargetResult result = run.move_to({"a", {0.2, 0.1}, std::nullopt});
+  run.finish();
+  std::filesystem::current_path(before);
+  CHECK(result.status == ServoStatus::kReached);
+  CHECK(run.results().size() == 1);
+  CHECK(std::filesystem::is_empty(folder.path()));
+}
+
 /// A folder with a run that has one result, at the target 'a'.
 struct BegunRun {
   BegunRun() {
@@ -325,15 +348,17 @@ struct BegunRun {
 TEST_CASE("A run is resumed with the settings of its servo, and with no others") {
   BegunRun begun;
   CHECK(results_so_far(begun.request).size() == 1);
+  CellSettings changed = begun.request.cell->settings;
   SECTION("the gain") {
-    begun.request.cell.servo.gain = 0.5;
+    changed.servo.gain = 0.5;
   }
   SECTION("the tolerance") {
-    begun.request.cell.servo.tolerance_m = 7e-6;
+    changed.servo.tolerance_m = 7e-6;
   }
   SECTION("the way in which lamps' centres are measured") {
     begun.request.center = CenterMethod::kFast;
   }
+  begun.request.cell = without_map(changed);
   CHECK_THROWS_AS(results_so_far(begun.request), InputError);
   CHECK_THROWS_WITH(results_so_far(begun.request),
                     Catch::Contains("was begun with the servo settings law: ") &&

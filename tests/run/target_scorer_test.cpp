@@ -40,7 +40,7 @@ class JudgeOfPlaces final : public Judge {
 TEST_CASE("A target's result counts the corrections and the time of all attempts") {
   const test::TemporaryFolder folder;
   GrowingFile steps(folder.path() / "steps.csv", steps_header());
-  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, nullptr, kClock);
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, &steps, nullptr, kClock);
   scorer.observe(step_with(0, {1e-3, 0.0}));
   scorer.observe(step_with(1, {2e-4, 0.0}));
   scorer.observe(step_with(2, {5e-5, 0.0}));
@@ -64,7 +64,7 @@ TEST_CASE("An end point is judged by the truth where there is one") {
   GrowingFile steps(folder.path() / "steps.csv", steps_header());
   const Eigen::Vector2d p_truth(0.2003, 0.1);
   JudgeOfPlaces truth(JudgeKind::kTruth, {{p_truth, 0.0, ""}});
-  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &truth, kClock);
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, &steps, &truth, kClock);
   ServoStep step = step_with(0, {0.0, 0.0});
   step.measurement.p_vision = {0.201, 0.1};
   step.measurement.tip.p = {0.2, 0.1};
@@ -75,7 +75,7 @@ TEST_CASE("An end point is judged by the truth where there is one") {
   scorer.observe(step);
   const TargetResult result = scorer.finish({}, 1.0);
   constexpr double kRounding_m = 1e-15;
-  CHECK((*result.after_truth - Eigen::Vector2d(3e-4, 0.0)).norm() < kRounding_m);
+  CHECK((*result.after_judged - Eigen::Vector2d(3e-4, 0.0)).norm() < kRounding_m);
   CHECK((*result.vision_raw - Eigen::Vector2d(7e-4, 0.0)).norm() < kRounding_m);
   CHECK((*result.vision_compensated - Eigen::Vector2d(-3e-4, 0.0)).norm() < kRounding_m);
   CHECK((*result.believed - Eigen::Vector2d(-2e-4, 0.0)).norm() < kRounding_m);
@@ -102,24 +102,24 @@ TEST_CASE("A judge is asked at the first look and at the end, once where the arm
   SECTION("a target that needs a correction") {
     JudgeOfPlaces at(JudgeKind::kTracker, {{Eigen::Vector2d(0.203, 0.1), 1e-5, ""},
                                            {Eigen::Vector2d(0.2, 0.1004), 2e-5, ""}});
-    TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &at, kClock);
+    TargetScorer scorer({"A", {0.2, 0.1}, {}}, &steps, &at, kClock);
     scorer.observe(seen_step(0));
     scorer.observe(seen_step(1));
     const TargetResult result = scorer.finish(ended(ServoStatus::kReached), 1.0);
     CHECK(at.asked == 2);
-    CHECK((*result.before_truth - Eigen::Vector2d(3e-3, 0.0)).norm() < kRounding_m);
-    CHECK((*result.after_truth - Eigen::Vector2d(0.0, 4e-4)).norm() < kRounding_m);
-    CHECK(result.sigma_truth_m == 2e-5);
+    CHECK((*result.before_judged - Eigen::Vector2d(3e-3, 0.0)).norm() < kRounding_m);
+    CHECK((*result.after_judged - Eigen::Vector2d(0.0, 4e-4)).norm() < kRounding_m);
+    CHECK(result.sigma_judged_m == 2e-5);
     CHECK((*result.vision_raw - Eigen::Vector2d(5e-4, -4e-4)).norm() < kRounding_m);
     CHECK((*result.vision_compensated - Eigen::Vector2d(1e-4, -4e-4)).norm() < kRounding_m);
   }
   SECTION("a target that is reached at once") {
     JudgeOfPlaces at(JudgeKind::kTracker, {{Eigen::Vector2d(0.203, 0.1), 1e-5, ""}});
-    TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &at, kClock);
+    TargetScorer scorer({"A", {0.2, 0.1}, {}}, &steps, &at, kClock);
     scorer.observe(seen_step(0));
     const TargetResult result = scorer.finish(ended(ServoStatus::kReached), 1.0);
     CHECK(at.asked == 1);
-    CHECK(result.after_truth == result.before_truth);
+    CHECK(result.after_judged == result.before_judged);
   }
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("A target that nobody could judge says why and has no true error") {
   const test::TemporaryFolder folder;
   GrowingFile steps(folder.path() / "steps.csv", steps_header());
   JudgeOfPlaces at(JudgeKind::kTracker, {{{}, 0.0, "a broken beam"}, {{}, 0.0, "a broken beam"}});
-  TargetScorer scorer({"A", {0.2, 0.1}, {}}, steps, &at, kClock);
+  TargetScorer scorer({"A", {0.2, 0.1}, {}}, &steps, &at, kClock);
   TargetResult result;
   SECTION("the beam is broken") {
     scorer.observe(seen_step(0));
@@ -140,8 +140,8 @@ TEST_CASE("A target that nobody could judge says why and has no true error") {
     CHECK_THAT(result.not_judged, Catch::Contains("did not arrive"));
     CHECK(at.asked == 0);
   }
-  CHECK_FALSE(result.after_truth);
-  CHECK_FALSE(result.before_truth);
+  CHECK_FALSE(result.after_judged);
+  CHECK_FALSE(result.before_judged);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/jog/jog_console.h"
 #include "support/sample_cells.h"
@@ -24,7 +25,7 @@ struct JogBench {
       : cell(settings),
         devices(open_cell(cell)),
         table(folder.path() / "targets.csv"),
-        console(cell, *devices, table) {}
+        console(read_calibrated_cell(cell), *devices, table) {}
 
   Pulses pulses() {
     Pulses all;

@@ -50,8 +50,10 @@ bool is_fitted_by_visp(const CalibrationModel& model) {
 /// principal point is uncertain by a tenth of the focal length.
 CameraUncertainty uncertainty_of(const LensFit& fit, const std::vector<CalibrationView>& views,
                                  const CalibrationModel& model) {
+  constexpr std::size_t kCoefficientsOfVisp = 1;
   const bool by_visp = is_fitted_by_visp(model);
-  const auto information = fit_information(fit, views, by_visp ? 1 : model.free_coefficients);
+  const auto information =
+      fit_information(fit, views, by_visp ? kCoefficientsOfVisp : model.free_coefficients);
   if (!information) refuse(model);
   const auto covariance =
       by_visp ? visp_covariance(fit, views) : covariance_from(jacobians_of(*information));

@@ -27,7 +27,7 @@ struct Place {
   std::vector<const LampSight*> failed;
   std::vector<const ToolReading*> readings;
 
-  Plan plan() const { return (frames.empty() ? failed : frames).front()->plan; }
+  Purpose plan() const { return (frames.empty() ? failed : frames).front()->plan; }
 };
 
 void require_finite(const std::vector<LampSight>& frames,
@@ -114,7 +114,7 @@ std::string fault_of_readings(const Place& place) {
 /// Returns why the place cannot be used; empty when it can.
 std::string fault_of(const Place& place) {
   const std::string fault = fault_of_frames(place);
-  return fault.empty() && place.plan() != Plan::kPose ? fault_of_readings(place) : fault;
+  return fault.empty() && place.plan() != Purpose::kPose ? fault_of_readings(place) : fault;
 }
 
 PoseSight mean_frame(const Place& place) {
@@ -215,12 +215,12 @@ Pairing pair_sights(const std::vector<LampSight>& frames, const std::vector<Tool
       pairing.rejected.push_back({id, fault});
       continue;
     }
-    if (place.plan() == Plan::kPose) {
+    if (place.plan() == Purpose::kPose) {
       pairing.unattended.push_back(mean_frame(place));
       continue;
     }
     pairing.sights.push_back(average(place));
-    if (place.plan() == Plan::kSweep3)
+    if (place.plan() == Purpose::kSweep3)
       pairing.sights.back().sweep = sweep_number(place.frames.front()->theta.head<2>(), sweeps);
   }
   return pairing;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
@@ -13,7 +13,7 @@ namespace planar {
 /// The tool at rest at one place, as the camera saw it: the means of its frames there.
 struct PoseSight {
   std::string id;
-  Plan plan{Plan::kTrain};
+  Purpose plan{Purpose::kTrain};
   double t_s{0.0};                       ///< of its first frame
   Eigen::Vector3d theta{0.0, 0.0, 0.0};  ///< commanded joint angles, radians
   std::array<Eigen::Vector2d, 2> lamps_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
@@ -44,7 +44,7 @@ struct LampSight {
   std::string fault;  ///< why the lamps were not found; empty when they were
   std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
-  Plan plan{Plan::kTrain};
+  Purpose plan{Purpose::kTrain};
   Eigen::Vector3d theta{0.0, 0.0, 0.0};  ///< commanded joint angles, radians
 };
 

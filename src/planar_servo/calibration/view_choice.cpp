@@ -183,26 +183,27 @@ const BoardWish kMiddle{"lay it into the middle of the picture, its rows along t
                         lies_in_the_middle};
 const BoardWish kTurn{"turn it by 45 degrees", "none is turned by 45 degrees", is_turned};
 
-std::vector<BoardWish> places_of(Plan plan) {
+std::vector<BoardWish> places_of(Purpose plan) {
   std::vector<BoardWish> places = kCorners;
-  for (BoardWish& place : places) place.is_needed = plan == Plan::kHeldBoard;
+  for (BoardWish& place : places) place.is_needed = plan == Purpose::kHeldBoard;
   return places;
 }
 
 }  // namespace
 
-bool alike(Plan plan, const BoardStance& a, const BoardStance& b) {
+bool alike(Purpose plan, const BoardStance& a, const BoardStance& b) {
   const double turn = wrap_to_period(a.turn - b.turn, a.turn_period);
   if ((a.middle - b.middle).norm() >= kOtherPlace || std::abs(turn) >= kOtherTurn) return false;
-  return plan == Plan::kLaidBoard || (std::abs(std::log(a.size / b.size)) < kOtherSize &&
-                                      (a.tilt - b.tilt).norm() < kOtherTilt);
+  return plan == Purpose::kLaidBoard || (std::abs(std::log(a.size / b.size)) < kOtherSize &&
+                                         (a.tilt - b.tilt).norm() < kOtherTilt);
 }
 
-ViewChoice::ViewChoice(Plan plan)
+ViewChoice::ViewChoice(Purpose plan)
     : plan_(plan),
-      first_(plan == Plan::kLaidBoard ? std::vector<BoardWish>{kMiddle} : std::vector<BoardWish>{}),
+      first_(plan == Purpose::kLaidBoard ? std::vector<BoardWish>{kMiddle}
+                                         : std::vector<BoardWish>{}),
       places_(places_of(plan)),
-      attitudes_(plan == Plan::kLaidBoard ? std::vector<BoardWish>{kTurn} : kTilts) {
+      attitudes_(plan == Purpose::kLaidBoard ? std::vector<BoardWish>{kTurn} : kTilts) {
   if (!shows_board(plan)) throw std::invalid_argument("views of the board are held or laid");
 }
 
@@ -247,8 +248,8 @@ std::string ViewChoice::request() const {
   if (!first.empty()) return first.front().request;
   const std::vector<BoardWish> places = ungranted(places_), attitudes = ungranted(attitudes_);
   if (places.empty() && attitudes.empty())
-    return plan_ == Plan::kLaidBoard ? "any place or turn unlike those taken"
-                                     : "any place, tilt or turn unlike those taken";
+    return plan_ == Purpose::kLaidBoard ? "any place or turn unlike those taken"
+                                        : "any place, tilt or turn unlike those taken";
   if (places.empty()) return attitudes.front().request;
   if (attitudes.empty()) return places.front().request;
   return std::string(places.front().request) + ", or " + attitudes.front().request;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/calibration/board.h"
 
 namespace planar {
@@ -99,7 +99,7 @@ enum class ViewWorth {
 class ViewChoice {
  public:
   /// `plan` is kHeldBoard or kLaidBoard.
-  explicit ViewChoice(Plan plan);
+  explicit ViewChoice(Purpose plan);
 
   void take(const std::string& id, const BoardStance& stance);
 
@@ -126,7 +126,7 @@ class ViewChoice {
   /// attitude at once.
   std::size_t views_needed() const;
 
-  Plan plan_;
+  Purpose plan_;
   std::vector<BoardWish> first_;  ///< asked for before the others
   std::vector<BoardWish> places_, attitudes_;
   std::vector<Taken> taken_;
@@ -134,6 +134,6 @@ class ViewChoice {
 
 /// Returns whether two views show a board at about the same place, size, tilt and turn; of laid
 /// boards only place and turn count.
-bool alike(Plan plan, const BoardStance& a, const BoardStance& b);
+bool alike(Purpose plan, const BoardStance& a, const BoardStance& b);
 
 }  // namespace planar

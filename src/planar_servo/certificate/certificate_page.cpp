@@ -267,7 +267,7 @@ std::string place_words(const TestPlaces& places) {
 
 std::string certificate_page(const Certificate& certificate) {
   const CertificateRun& run = certificate.run;
-  const CellSettings& cell = run.request.servo.cell;
+  const CellSettings& cell = run.request.servo.cell->settings;
   HtmlPage page("Accuracy of the cell " + cell.file.string());
   page.add_style(kSheetStyle);
   add_opening(page, certificate);

@@ -22,7 +22,7 @@ std::optional<Part> part_of(const std::optional<Whole>& whole, Part Whole::*part
 
 void list_run(ReportList& list, const CertificateRun& run) {
   list.unprinted("program", certifying_program());
-  list.unprinted("cell", run.request.servo.cell.file.string());
+  list.unprinted("cell", run.request.servo.cell->settings.file.string());
   list.unprinted("cycles", run.request.size.cycles);
   list.unprinted("targets", run.request.size.targets);
   list.unprinted("ended_by", run.ended_by);
@@ -33,7 +33,7 @@ void list_run(ReportList& list, const CertificateRun& run) {
   square.unprinted("raster_mm", run.places.raster);
   square.unprinted("usable_share_of_workspace", run.places.usable);
   list.part("square", square);
-  list.rows("files", certified_files(run.request.servo.cell),
+  list.rows("files", certified_files(run.request.servo.cell->settings),
             [](ReportList& row, const auto& made) {
               row.unprinted("role", made.first);
               row.unprinted("file", made.second.string());
@@ -125,8 +125,9 @@ ReportList workspace_list(const WorkspaceFigures& workspace) {
 Certificate certificate_of(CertificateRun run) {
   CellAccuracy accuracy = cell_accuracy(run.moves);
   std::optional<UncertaintyBudget> budget;
+  const CalibratedCell& cell = *run.request.servo.cell;
   if (accuracy.workspace)
-    budget = uncertainty_budget(run.request.servo.cell, run.vision, run.moves, accuracy);
+    budget = uncertainty_budget(cell.settings, cell.vision.value(), run.moves, accuracy);
   return {std::move(run), std::move(accuracy), std::move(budget)};
 }
 

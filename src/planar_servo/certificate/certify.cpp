@@ -11,11 +11,9 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/checksum.h"
-#include "planar_servo/files/arm_file.h"
-#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/work/run/dry_run.h"
-#include "planar_servo/work/run/resumed_run.h"
+#include "planar_servo/work/run/run_files.h"
 
 namespace planar {
 namespace {
@@ -56,19 +54,18 @@ Eigen::Vector2d place_in_ring(const Workspace& workspace, std::size_t index) {
 /// Says where a cell can position its end point.
 class UsablePlaces {
  public:
-  UsablePlaces(const CellSettings& cell, const VisionCalibration& vision)
-      : cell_(cell), vision_(vision), planner_(servo_planner(cell)) {}
+  explicit UsablePlaces(const CalibratedCell& cell) : cell_(cell) {}
 
   bool contain(const Eigen::Vector2d& p) const {
-    const TipPose tip{p, cell_.tool_orientation};
-    return !cell_.workspace.violation(p) && !planner_.plan(tip, cell_.arm.home).refusal &&
-           expect_tool(vision_, tip) && predict_error_at(vision_, tip).inside;
+    const CellSettings& settings = cell_.settings;
+    const TipPose tip{p, settings.tool_orientation};
+    return !settings.workspace.violation(p) &&
+           !cell_.planner.plan(tip, settings.arm.home).refusal && expect_tool(*cell_.vision, tip) &&
+           predict_error_at(*cell_.vision, tip).inside;
   }
 
  private:
-  const CellSettings& cell_;
-  const VisionCalibration& vision_;
-  JointPlanner planner_;
+  const CalibratedCell& cell_;
 };
 
 struct Raster {
@@ -158,10 +155,11 @@ fs::path cycles_file(const CertificateRequest& request) {
 /// Returns the settings that decide the moves, as comment lines. The calibration's files are those
 /// of results.csv.
 std::string header_of(const CertificateRequest& request, JudgeKind judge) {
-  return cycles_header({fmt::format("# cycles: {}", request.size.cycles),
-                        fmt::format("# targets: {}", request.size.targets),
-                        fmt::format("# judge: {}", name_in(kJudgeKinds, judge)),
-                        fmt::format("# cell: {}", content_sha256(request.servo.cell.file))});
+  return cycles_header(
+      {fmt::format("# cycles: {}", request.size.cycles),
+       fmt::format("# targets: {}", request.size.targets),
+       fmt::format("# judge: {}", name_in(kJudgeKinds, judge)),
+       fmt::format("# cell: {}", content_sha256(request.servo.cell->settings.file))});
 }
 
 /// Throws InputError when the folder's moves were made with other calibration files.
@@ -191,15 +189,14 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
 }
 
 /// Returns the objections to the cell's files. Throws InputError unless they are accepted.
-std::vector<std::string> accepted_words(const CertificateRequest& request,
-                                        const VisionCalibration& vision) {
-  const std::vector<StaleFile> stale = stale_files(request.servo.cell, true);
-  if (!request.servo.accept_stale) require_belonging(stale);
+std::vector<std::string> accepted_words(const CertificateRequest& request) {
+  const CalibratedCell& cell = *request.servo.cell;
+  if (!request.servo.accept_stale) require_belonging(cell.stale);
   std::vector<std::string> words;
-  words.reserve(stale.size());
-  for (const StaleFile& file : stale) words.push_back(file.refusal.text());
-  if (const auto map = accept_map(request.servo.cell, vision, request.servo.accept_map))
-    words.push_back(request.servo.cell.error_map.string() + ": " + *map);
+  words.reserve(cell.stale.size());
+  for (const StaleFile& file : cell.stale) words.push_back(file.refusal.text());
+  if (const auto map = accept_map(cell, request.servo.accept_map))
+    words.push_back(cell.settings.error_map.string() + ": " + *map);
   return words;
 }
 
@@ -207,7 +204,7 @@ std::vector<std::string> accepted_words(const CertificateRequest& request,
 class CertificateDriver {
  public:
   CertificateDriver(const CertificateRequest& request, CellDevices& devices)
-      : phi_d_(request.servo.cell.tool_orientation),
+      : phi_d_(request.servo.cell->settings.tool_orientation),
         watch_(request.watch),
         run_(request.servo, devices, [this](const ServoSight& sight) { watch(sight); }) {}
 
@@ -279,8 +276,9 @@ void make_moves(CertificateRun& certificate, const std::vector<CertificateMove>&
   CertificateDriver driver(request, devices);
   const std::size_t all = certificate.moves.size() + moves.size();
   if (progress) progress(certificate.moves.size(), all);
-  const auto judge = make_judge(certificate.judge, request.servo.cell, certificate.vision.tool,
-                                devices, request.servo.out / "tracker.csv", request.servo.stop);
+  const CalibratedCell& cell = *request.servo.cell;
+  const auto judge = make_judge(certificate.judge, cell.settings, cell.vision->tool, devices,
+                                request.servo.out / "tracker.csv", request.servo.stop);
   GrowingFile table(cycles_file(request), header);
   for (const CertificateMove& move : moves) {
     const JudgedMove made = driver.make(move, *judge);
@@ -355,39 +353,36 @@ std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& fre
   return squares;
 }
 
-TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& vision,
-                            std::size_t targets) {
-  const UsablePlaces usable(cell, vision);
-  const Raster raster = raster_of(cell, usable);
-  const DryRun dry(cell, foresee_check(cell, vision).end);
+TestPlaces find_test_places(const CalibratedCell& cell, std::size_t targets) {
+  const UsablePlaces usable(cell);
+  const Raster raster = raster_of(cell.settings, usable);
+  const DryRun dry(cell, foresee_check(cell).end);
   for (const RasterSquare& found : free_squares(raster.free)) {
     const TestSquare square = square_at(raster, found);
     TestPlaces places{square, raster.spacing, raster.usable, square_poses(square), {}};
     if (!can_cycle(dry, places)) continue;
-    places.targets = spread_targets(cell, usable, dry, targets);
+    places.targets = spread_targets(cell.settings, usable, dry, targets);
     return places;
   }
   throw InputError({"no square of the workspace is reached by arm, camera and error map",
                     "look at the limits and the workspace in the cell file with planar-doctor",
-                    cell.file});
+                    cell.settings.file});
 }
 
 CertificateRun run_certificate(
     const CertificateRequest& request, const OpenDevices& open,
     const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  const CellSettings& cell = request.servo.cell;
-  VisionCalibration vision = read_vision(cell, true);
-  const JudgeKind judge = judge_of(cell, vision.tool);
-  const std::string header = header_of(request, judge);
-  CertificateRun certificate{request, std::move(vision)};
-  certificate.judge = judge;
+  const CalibratedCell& cell = *request.servo.cell;
+  require_calibrated(cell);
+  CertificateRun certificate{request};
+  certificate.judge = judge_of(cell.settings, cell.vision->tool);
+  const std::string header = header_of(request, certificate.judge);
   certificate.moves = moves_so_far(request, header);
-  certificate.accepted = accepted_words(request, certificate.vision);
-  certificate.places =
-      find_test_places(cell, certificate.vision, static_cast<std::size_t>(request.size.targets));
+  certificate.accepted = accepted_words(request);
+  certificate.places = find_test_places(cell, static_cast<std::size_t>(request.size.targets));
   const std::vector<CertificateMove> left = moves_left(certificate);
   if (left.empty()) return certificate;
-  const auto devices = open(cell);
+  const auto devices = open(cell.settings);
   make_moves(certificate, left, header, *devices, progress);
   certificate.moves = read_cycles(cycles_file(request));  // to its digits, as when it is read again
   return certificate;

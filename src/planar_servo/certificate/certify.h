@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/loop/vision/see_tool.h"
@@ -51,8 +52,7 @@ std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& fre
 /// and 3), evenly over the area of the workspace's ring; they are in the order of their angle about
 /// the base. The ways to poses and targets in their order are free. Throws InputError when there is
 /// no square or there are fewer targets than wanted.
-TestPlaces find_test_places(const CellSettings& cell, const VisionCalibration& vision,
-                            std::size_t targets);
+TestPlaces find_test_places(const CalibratedCell& cell, std::size_t targets);
 
 /// Returns the name of a pose by its index: "P1".
 std::string pose_name(std::size_t index);
@@ -82,7 +82,6 @@ struct CertificateRequest {
 
 struct CertificateRun {
   CertificateRequest request;
-  VisionCalibration vision;
   TestPlaces places{};
   JudgeKind judge{JudgeKind::kTruth};
   std::vector<JudgedMove> moves{};

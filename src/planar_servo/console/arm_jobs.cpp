@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/base/io/passing_folder.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/console/json_values.h"
@@ -33,9 +33,7 @@ void require_file_name(const std::string& name, const char* where) {
 RecordingState state_of(const RecordView& view) {
   RecordingState state{view.title, view.now, view.counts, {}, {}, view.here_B};
   for (const RecordView::Place& place : view.places)
-    state.places.push_back({place.p_B, place.mark == PlaceMark::kToDo   ? "to_do"
-                                       : place.mark == PlaceMark::kDone ? "done"
-                                                                        : "left_out"});
+    state.places.push_back({place.p_B, place.mark});
   for (const RecordView::Point& monument : view.monuments)
     state.monuments.emplace_back(monument.id, monument.p_B);
   return state;
@@ -71,22 +69,6 @@ namespace fs = std::filesystem;
 constexpr char kPath[] = "the path";
 /// Arcs are drawn by lines that turn so far, radians.
 constexpr double kDrawnTurn = 0.05;
-
-/// Reads a path from the text of a table.
-Path path_in(const std::string& csv, double tool_orientation) {
-  const PassingFolder folder("planar-console");
-  const fs::path file = folder.path() / kPath;
-  write_file(file, csv);
-  try {
-    return read_path(file, tool_orientation);
-  } catch (const InputError& e) {
-    std::vector<Refusal> refusals = e.refusals();
-    const std::string above = folder.path().string() + "/";
-    for (Refusal& refusal : refusals)
-      if (refusal.where.rfind(above, 0) == 0) refusal.where.erase(0, above.size());
-    throw InputError(refusals, 0);
-  }
-}
 
 std::vector<Eigen::Vector2d> drawn(const Path& path) {
   std::vector<Eigen::Vector2d> places{path.at(0.0).pose.p};
@@ -173,8 +155,7 @@ CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, Cell
   const auto at_page = std::make_shared<PageOperator>(board_, request.servo.stop, [] {});
   const auto seated = seat_.take(at_page);
   devices.tracker().ask_of(at_page);
-  const std::shared_ptr<void> given_back(
-      nullptr, [&](void*) { devices.tracker().ask_of(std::make_shared<Terminal>()); });
+  const AtEnd given_back([&] { devices.tracker().ask_of(std::make_shared<Terminal>()); });
   const auto lend = [&](const CellSettings& /*cell*/) {
     return std::shared_ptr<CellDevices>(std::shared_ptr<void>(), &devices);
   };
@@ -194,8 +175,8 @@ CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, Cell
 void PathJob::load(const std::string& csv) {
   std::optional<Table> table;
   if (csv.find_first_not_of(" \r\n") != csv.npos) {
-    table.emplace(Table{csv, path_in(csv, cell_.settings().tool_orientation)});
-    require_followable(cell_.settings(), {kPath, table->path, {}, {kSlowest_m_s}});
+    table.emplace(Table{csv, read_path({kPath, csv}, cell_.settings().tool_orientation)});
+    require_followable(cell_.calibrated(), {kPath, table->path, {}, {kSlowest_m_s}});
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   table_ = std::move(table);
@@ -222,7 +203,7 @@ int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm
   PathRequest path{kPath, table->path, guidances, path_speeds(speeds_mm_s)};
   if (speeds_mm_s.empty() || guidances.empty())
     throw InputError({"it is to be followed no time", "name a speed and what guides it", kPath});
-  require_followable(cell_.settings(), path);
+  require_followable(cell_.calibrated(), path);
   path.file = out / "path.csv";
   return jobs_.begin(Doing::kRunning, "path", name, known,
                      [=, csv = table->csv](CellDevices& devices, const CellJobs::Stop& stop,

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/base/io/passing_folder.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/work/run/cell_check.h"
 #include "planar_servo/work/run/dry_run.h"
 #include "planar_servo/work/run/servo_report.h"
@@ -115,8 +115,7 @@ int CellJobs::go(const TargetRow& target, StopsKnown known) {
   return begin(
       Doing::kRunning, "go", target.id, known,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
-        const PassingFolder folder("planar-console");
-        ServoRun run(request_for_targets(stop, folder.path()), devices, watch());
+        ServoRun run(request_for_targets(stop, {}), devices, watch());
         begun(0, 1);
         const TargetResult result = run.move_to(target);
         show_progress(1, 1, {});
@@ -130,10 +129,11 @@ int CellJobs::check(StopsKnown known) {
   return begin(
       Doing::kChecking, "check", "", known,
       [this](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
-        const CheckedFiles files = read_checked_files(cell_.settings());
+        const CellSettings& settings = cell_.settings();
+        const CalibratedCell cell = read_calibrated_cell(settings, fs::exists(settings.error_map));
+        require_checkable(cell);
         begun(0, 0);
-        const std::vector<HealthFinding> found =
-            check_devices(cell_.settings(), files, devices, {}, stop);
+        const std::vector<HealthFinding> found = check_devices(cell, devices, {}, stop);
         note_findings(found);
         return {found.empty() ? "the cell is as it was at its calibration" : findings_text(found),
                 found.empty()};
@@ -229,8 +229,8 @@ fs::path CellJobs::folder(const std::string& name) const {
 
 ServoRequest CellJobs::request(const Stop& stop) {
   ServoRequest request;
-  request.cell = cell_.settings();
-  request.center = request.cell.lamps.method;
+  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell_.settings()));
+  request.center = cell_.settings().lamps.method;
   request.stop = stop;
   request.checking = [this](const auto& places) {
     board_.change([&](CellState& state) { state.checking_B = places; });
@@ -244,7 +244,7 @@ ServoRequest CellJobs::request(const Stop& stop) {
 ServoRequest CellJobs::request_for_targets(const Stop& stop, const fs::path& out) {
   ServoRequest wanted = request(stop);
   wanted.out = out;
-  wanted.learns = wanted.cell.servo.learns;
+  wanted.learns = cell_.settings().servo.learns;
   return wanted;
 }
 

@@ -65,7 +65,7 @@ CellWorker::CellWorker(const KnownCell& cell, StateBoard& board, std::function<b
     : cell_(cell),
       board_(board),
       interrupted_(std::move(interrupted)),
-      pictures_(cell.settings(), cell.vision(), board),
+      pictures_(cell.settings(), cell.calibrated().vision, board),
       stops_(board.state().stops) {
   DeviceWatch watch{[this](const Frame& frame) { pictures_.take(frame, is_watched()); },
                     [this](const auto& fault) { see_fault(fault); },
@@ -83,7 +83,7 @@ CellWorker::CellWorker(const KnownCell& cell, StateBoard& board, std::function<b
 void CellWorker::open_jog() {
   const auto open = [this](const std::filesystem::path& teach) {
     return std::make_unique<JogConsole>(
-        cell_.settings(), *devices_, teach, [this] { return must_stop(); },
+        cell_.calibrated(), *devices_, teach, [this] { return must_stop(); },
         [this](const std::string& sentence) { board_.tell_line("info", sentence); });
   };
   try {

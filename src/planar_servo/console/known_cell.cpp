@@ -8,9 +8,6 @@
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/console/json_values.h"
-#include "planar_servo/files/arm_file.h"
-#include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/provenance.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/dry_run.h"
@@ -76,22 +73,21 @@ std::string to_do(const CellSettings& cell, const std::array<DriveStatus, 3>& dr
 }  // namespace
 
 KnownCell::KnownCell(const fs::path& cell_file)
-    : cell_(read_cell(cell_file)),
-      folder_(fs::weakly_canonical(cell_file).parent_path()),
-      vision_(vision_so_far(cell_)),
-      planner_(planner_so_far(cell_)) {}
+    : cell_(read_calibrated_cell(read_cell(cell_file))),
+      folder_(fs::weakly_canonical(cell_file).parent_path()) {}
 
 std::vector<Refusal> KnownCell::doubts() const {
   std::vector<Refusal> doubts;
   try {
-    for (const StaleFile& stale : stale_files(cell_, fs::exists(cell_.error_map)))
+    const CalibratedCell now = read_calibrated_cell(settings(), fs::exists(settings().error_map));
+    for (const StaleFile& stale : now.stale)
       doubts.push_back(stale.refusal.at(stale.path.filename().string()));
-    if (auto doubt = foresee_check(cell_, vision_).doubt) doubts.push_back(std::move(*doubt));
+    if (auto doubt = foresee_check(now).doubt) doubts.push_back(std::move(*doubt));
+    if (now.vision && now.vision->map_objection)
+      doubts.push_back(now.vision->map_objection->at(settings().error_map.filename().string()));
   } catch (const InputError& e) {
     doubts = e.refusals();
   }
-  if (vision_ && vision_->map_objection)
-    doubts.push_back(vision_->map_objection->at(cell_.error_map.filename().string()));
   return doubts;
 }
 
@@ -101,46 +97,48 @@ ArmState KnownCell::arm_at(const std::array<DriveStatus, 3>& drives, bool enable
                                          [](const auto& drive) { return drive.energized; });
   if (std::all_of(drives.begin(), drives.end(),
                   [](const auto& drive) { return drive.position_certain; }))
-    state.stand = stand_at(planner_, drives);
-  state.to_do = to_do(cell_, drives, state.enabled);
+    state.stand = stand_at(cell_.planner, drives);
+  state.to_do = to_do(settings(), drives, state.enabled);
   return state;
 }
 
 ordered_json KnownCell::json() const {
   std::call_once(map_made_, [this] { map_ = map_json(); });
   auto limits = ordered_json::array();
-  for (const Eigen::Vector2d& limit : cell_.transmission.limits_rad)
+  const CellSettings& cell = settings();
+  for (const Eigen::Vector2d& limit : cell.transmission.limits_rad)
     limits.push_back(json_numbers(limit / kDegree));
-  const Eigen::Vector2d lengths_m = cell_.arm.geometry.link_lengths_m;
+  const Eigen::Vector2d lengths_m = cell.arm.geometry.link_lengths_m;
   return {{"name", folder_.filename().string()},
-          {"virtual", cell_.truth.has_value()},
-          {"camera", {{"width_px", cell_.camera.width_px}, {"height_px", cell_.camera.height_px}}},
+          {"virtual", cell.truth.has_value()},
+          {"camera", {{"width_px", cell.camera.width_px}, {"height_px", cell.camera.height_px}}},
           {"arm", {{"link_lengths_mm", json_mm(lengths_m)}, {"joint_limits_deg", limits}}},
           {"workspace",
-           {{"radius_min_mm", json_number(mm(cell_.workspace.radius_min_m))},
-            {"radius_max_mm", json_number(mm(cell_.workspace.radius_max_m))},
-            {"keep_out", json_list(cell_.workspace.keep_out, disc_json)}}},
+           {{"radius_min_mm", json_number(mm(cell.workspace.radius_min_m))},
+            {"radius_max_mm", json_number(mm(cell.workspace.radius_max_m))},
+            {"keep_out", json_list(cell.workspace.keep_out, disc_json)}}},
           {"has",
-           {{"camera_model", fs::exists(cell_.camera_model)},
-            {"workplane", fs::exists(cell_.workplane)},
-            {"tool", fs::exists(cell_.tool)},
-            {"error_map", fs::exists(cell_.error_map)},
-            {"health", is_there(cell_.health)},
-            {"arm_found", is_there(cell_.arm_found)}}},
+           {{"camera_model", fs::exists(cell.camera_model)},
+            {"workplane", fs::exists(cell.workplane)},
+            {"tool", fs::exists(cell.tool)},
+            {"error_map", fs::exists(cell.error_map)},
+            {"health", is_there(cell.health)},
+            {"arm_found", is_there(cell.arm_found)}}},
           {"map", map_},
           {"teach", teach().filename().string()}};
 }
 
 ordered_json KnownCell::map_json() const {
-  if (!vision_ || !vision_->error_map) return nullptr;
-  const ValidRegion& region = region_of(*vision_->error_map);
+  if (!uses_error_map(cell_)) return nullptr;
+  const ValidRegion& region = region_of(*cell_.vision->error_map);
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& corner : region.hull) box.extend(corner);
   auto arrows = ordered_json::array();
   const double step = box.isEmpty() ? 0.0 : box.sizes().maxCoeff() / kArrowsAcross;
   for (double x = box.min().x() + 0.5 * step; step > 0.0 && x < box.max().x(); x += step)
     for (double y = box.min().y() + 0.5 * step; y < box.max().y(); y += step) {
-      const ErrorPrediction error = predict_error_at(*vision_, {{x, y}, cell_.tool_orientation});
+      const ErrorPrediction error =
+          predict_error_at(*cell_.vision, {{x, y}, settings().tool_orientation});
       if (error.inside) arrows.push_back(arrow_json({x, y}, error));
     }
   return {{"region_mm", json_list(region.hull, json_mm)}, {"arrows", arrows}};
@@ -148,17 +146,17 @@ ordered_json KnownCell::map_json() const {
 
 ordered_json KnownCell::place_json(const Eigen::Vector2d& p, std::optional<double> phi,
                                    const Joints& from) const {
-  const TipPose pose{p, phi.value_or(cell_.tool_orientation)};
-  const JointPlan plan = planner_.plan(pose, from);
+  const TipPose pose{p, phi.value_or(settings().tool_orientation)};
+  const JointPlan plan = cell_.planner.plan(pose, from);
   std::optional<std::string> why = plan.refusal;
-  if (!why) why = approach_refusal(planner_, cell_.servo, from, plan.theta);
+  if (!why) why = approach_refusal(cell_.planner, settings().servo, from, plan.theta);
   ordered_json answer{{"reachable", !why},
                       {"why", why ? ordered_json(*why) : ordered_json(nullptr)},
                       {"sigma_mm", nullptr},
                       {"error_mm", nullptr},
                       {"in_region", false}};
-  if (!vision_ || !vision_->error_map) return answer;
-  const ErrorPrediction error = predict_error_at(*vision_, pose);
+  if (!uses_error_map(cell_)) return answer;
+  const ErrorPrediction error = predict_error_at(*cell_.vision, pose);
   answer["sigma_mm"] = json_number(mm(error.sigma));
   answer["error_mm"] = json_mm(error.error);
   answer["in_region"] = error.inside;

@@ -9,10 +9,8 @@
 
 #include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/console/state_board.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/geometry/arm/joint_planner.h"
-#include "planar_servo/hardware/cell/cell_settings.h"
-#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 
@@ -22,13 +20,12 @@ class KnownCell {
   /// Reads as much of the calibration as there is. Throws InputError for files with faults.
   explicit KnownCell(const std::filesystem::path& cell_file);
 
-  const CellSettings& settings() const { return cell_; }
-  const std::optional<VisionCalibration>& vision() const { return vision_; }
-  const JointPlanner& planner() const { return planner_; }
+  const CalibratedCell& calibrated() const { return cell_; }
+  const CellSettings& settings() const { return cell_.settings; }
   /// Returns the folder of the cell file, in which all that is served or written lies.
   const std::filesystem::path& folder() const { return folder_; }
   /// Returns the table to which places are taught.
-  std::filesystem::path teach() const { return cell_.file.parent_path() / "targets.csv"; }
+  std::filesystem::path teach() const { return settings().file.parent_path() / "targets.csv"; }
 
   /// Returns what speaks against moving by these files, read anew.
   std::vector<Refusal> doubts() const;
@@ -46,10 +43,8 @@ class KnownCell {
  private:
   nlohmann::ordered_json map_json() const;
 
-  CellSettings cell_;
+  CalibratedCell cell_;
   std::filesystem::path folder_;
-  std::optional<VisionCalibration> vision_;
-  JointPlanner planner_;
   mutable std::once_flag map_made_;
   mutable nlohmann::ordered_json map_;
 };

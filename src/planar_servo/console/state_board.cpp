@@ -99,7 +99,7 @@ ordered_json point_json(const Eigen::Vector2d& p) {
 ordered_json recording_json(const RecordingState& recording) {
   const auto place_json = [](const RecordingState::Place& place) {
     ordered_json json = point_json(place.p_B);
-    json["mark"] = place.mark;
+    json["mark"] = name_in(kPlaceMarks, place.mark);
     return json;
   };
   const auto monument_json = [](const auto& monument) {

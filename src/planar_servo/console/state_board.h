@@ -16,6 +16,7 @@
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
@@ -105,7 +106,7 @@ struct PageQuestion {
 struct RecordingState {
   struct Place {
     Eigen::Vector2d p_B;
-    const char* mark;  ///< "to_do", "done" or "left_out"
+    PlaceMark mark;
   };
   std::string title, now;
   std::vector<std::string> counts;
@@ -116,7 +117,7 @@ struct RecordingState {
 
 /// All that the page shows of the moment.
 struct CellState {
-  int opened{0};           ///< so often were the cell's files read
+  int opened{0};           ///< how often the cell's files were read
   std::uint64_t stops{0};  ///< so often was the cell stopped
   Doing doing{Doing::kIdle};
   std::string text{"idle"};

@@ -13,10 +13,10 @@
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/begun_experiment.h"
-#include "planar_servo/files/arm_file.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/work/record/recorder.h"
-#include "planar_servo/work/run/resumed_run.h"
+#include "planar_servo/work/run/run_files.h"
 
 namespace planar {
 namespace {
@@ -49,7 +49,8 @@ std::string name_of(const ServoRequest& loop) {
 std::vector<TargetResult> close_loop(const ServoRequest& loop,
                                      const std::vector<TargetRow>& targets, CellDevices& devices) {
   const std::string chain = loop.out.parent_path().filename().string();
-  const std::string map = loop.use_error_map ? "with its error map" : "without an error map";
+  const std::string map =
+      uses_error_map(*loop.cell) ? "with its error map" : "without an error map";
   spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(), chain, map));
   ServoRun run(loop, devices);
   return run_servo(run, targets);
@@ -86,20 +87,20 @@ CalibratedChains calibrate_chains(const ExperimentRequest& request, const Record
 double take_out_turn(std::vector<TargetResult>& results) {
   Eigen::Vector2d sum(0.0, 0.0);
   for (const TargetResult& result : results) {
-    if (!result.after_truth) continue;
-    const Eigen::Vector2d p = result.p_d + *result.after_truth;
+    if (!result.after_judged) continue;
+    const Eigen::Vector2d p = result.p_d + *result.after_judged;
     sum += Eigen::Vector2d(p.dot(result.p_d), p.x() * result.p_d.y() - p.y() * result.p_d.x());
   }
   const double turn = std::atan2(sum.y(), sum.x());
   for (TargetResult& result : results) {
-    if (!result.after_truth) continue;
+    if (!result.after_judged) continue;
     const auto moved_by = [&](const Eigen::Vector2d& error) -> Eigen::Vector2d {
       const Eigen::Vector2d p = result.p_d + error;
       return rotation2d(turn) * p - p;
     };
-    const Eigen::Vector2d shift = moved_by(*result.after_truth);
-    if (result.before_truth) *result.before_truth += moved_by(*result.before_truth);
-    *result.after_truth += shift;
+    const Eigen::Vector2d shift = moved_by(*result.after_judged);
+    if (result.before_judged) *result.before_judged += moved_by(*result.before_judged);
+    *result.after_judged += shift;
     for (auto* error : {&result.vision_raw, &result.vision_compensated, &result.believed})
       if (*error) **error -= shift;
   }
@@ -150,9 +151,8 @@ void close_loops(const ExperimentRequest& request, const CalibratedChains& chain
                                        devices.tracker(), request.out / "judge.csv", request.stop);
     report.reflector_sigma = tracker->common_sigma();
     // No camera takes part: the tool is supposed to be where the arm that our chain found has it.
-    tracker->suppose([planner = servo_planner(chains.ours.cell)](const Joints& theta_c) {
-      return planner.reached(theta_c);
-    });
+    tracker->suppose(
+        [cell = loops[0].cell](const Joints& theta_c) { return cell->planner.reached(theta_c); });
     const auto done = [&](const ServoRequest& loop) { return is_done(loop, targets); };
     if (!std::all_of(loops.begin(), loops.end(), done)) tracker->make_ready(monuments);
   }
@@ -178,9 +178,8 @@ PositioningPrediction predicted(const ExperimentRequest& request, const Calibrat
 ServoRequest control_loop(const CalibratedChain& chain, bool with_map,
                           const ExperimentRequest& experiment) {
   ServoRequest loop;
-  loop.cell = chain.cell;
+  loop.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(chain.cell, with_map));
   loop.center = chain.settings.center;
-  loop.use_error_map = with_map;
   loop.check_health = loop.guards_looks = chain.settings.is_guarded;
   loop.accept_map = chain.settings.accept_map || !chain.settings.is_guarded;
   loop.estimates_landings = chain.settings.estimates_landings;

@@ -56,11 +56,11 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
   Verdict verdict;
   verdict.faults = run_faults(ours, "ours/run/results.csv");
-  if (!ours.after_truth || !paper.after_truth) return page.add_verdict(verdict);
-  if (ours.after_truth->mean >= paper.after_truth->mean)
+  if (!ours.after_judged || !paper.after_judged) return page.add_verdict(verdict);
+  if (ours.after_judged->mean >= paper.after_judged->mean)
     verdict.faults.push_back({"our chain ends no nearer than the paper's",
                               "compare the chains in Tables 3 and 5, and the errors below"});
-  const double ratio = ours.after_truth->mean / report.prediction.mean;
+  const double ratio = ours.after_judged->mean / report.prediction.mean;
   if (ratio > kFarBeyondPrediction)
     verdict.faults.push_back(
         {fmt::format("the error found is {:.1f} times the predicted one", ratio),
@@ -68,8 +68,8 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
   verdict.good = fmt::format(
       "the end point stops {:.4f} mm from its targets on average, {:.4f} mm at 95 % and {:.4f} mm "
       "at worst ({} at {} targets)",
-      mm(ours.after_truth->mean), mm(ours.after_truth->p95), mm(ours.after_truth->max),
-      judged_words(report), ours.after_truth->n);
+      mm(ours.after_judged->mean), mm(ours.after_judged->p95), mm(ours.after_judged->max),
+      judged_words(report), ours.after_judged->n);
   page.add_verdict(verdict);
   if (!verdict.faults.empty()) page.add_paragraph("Found: " + verdict.good + ".");
 }
@@ -84,10 +84,10 @@ TextTable accuracy_table(const ExperimentReport& report) {
                      fmt::format("{:.4f}", mm(found->p95)), fmt::format("{:.4f}", mm(found->max))});
   };
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
-  add("arm by the cell file, without calibration", paper.before_truth);
-  add("the paper's chain", paper.after_truth);
-  add("planar-servo, arm alone", ours.before_truth);
-  add("planar-servo, with vision", ours.after_truth);
+  add("arm by the cell file, without calibration", paper.before_judged);
+  add("the paper's chain", paper.after_judged);
+  add("planar-servo, arm alone", ours.before_judged);
+  add("planar-servo, with vision", ours.after_judged);
   table.add_row({"planar-servo, as its calibration predicts it",
                  fmt::format("{:.4f}", mm(report.prediction.mean)),
                  fmt::format("{:.4f}", mm(report.prediction.p95)), "–"});
@@ -97,17 +97,17 @@ TextTable accuracy_table(const ExperimentReport& report) {
 /// Compares what was reached with what was there before, with the paper's chain and with what was
 /// predicted.
 std::string worth_words(const ExperimentReport& report) {
-  const auto ours = figures_of(report.ours).after_truth;
+  const auto ours = figures_of(report.ours).after_judged;
   const ServoFigures paper = figures_of(report.paper);
-  if (!ours || !paper.after_truth || !paper.before_truth) return "";
+  if (!ours || !paper.after_judged || !paper.before_judged) return "";
   return fmt::format(
       "planar-servo removes {} % of the error that the arm has by its cell file, the paper's chain "
       "{} %; the paper's chain stops {:.1f} times as far from the targets. The calibration alone "
       "predicted {:.4f} mm; what was found is {:.2f} times that. On its own platform the paper "
       "reached {:.3f} mm.",
-      fixed(100.0 * (1.0 - ours->mean / paper.before_truth->mean), 1),
-      fixed(100.0 * (1.0 - paper.after_truth->mean / paper.before_truth->mean), 1),
-      paper.after_truth->mean / ours->mean, mm(report.prediction.mean),
+      fixed(100.0 * (1.0 - ours->mean / paper.before_judged->mean), 1),
+      fixed(100.0 * (1.0 - paper.after_judged->mean / paper.before_judged->mean), 1),
+      paper.after_judged->mean / ours->mean, mm(report.prediction.mean),
       ours->mean / report.prediction.mean, kPaperAfterMean_mm);
 }
 
@@ -115,16 +115,16 @@ std::string worth_words(const ExperimentReport& report) {
 TextTable worst_table(const ExperimentReport& report) {
   std::vector<const TargetResult*> worst;
   for (const TargetResult& result : report.ours)
-    if (result.after_truth) worst.push_back(&result);
+    if (result.after_judged) worst.push_back(&result);
   std::stable_sort(worst.begin(), worst.end(), [](const TargetResult* a, const TargetResult* b) {
-    return a->after_truth->norm() > b->after_truth->norm();
+    return a->after_judged->norm() > b->after_judged->norm();
   });
   worst.resize(std::min(worst.size(), kWorstTargets));
   TextTable table("The targets with the largest errors",
                   {"target", "x, mm", "y, mm", "error, mm", "stated deviation per axis, mm"});
   for (const TargetResult* result : worst)
     table.add_row({result->id, fixed(mm(result->p_d.x()), 1), fixed(mm(result->p_d.y()), 1),
-                   fixed(mm(result->after_truth->norm()), 4),
+                   fixed(mm(result->after_judged->norm()), 4),
                    result->uncertainty_m ? fixed(mm(*result->uncertainty_m), 4) : "–"});
   return table;
 }
@@ -132,7 +132,7 @@ TextTable worst_table(const ExperimentReport& report) {
 std::string coverage_words(const ExperimentReport& report) {
   const ServoFigures ours = figures_of(report.ours);
   std::string words = fmt::format("{} of {} targets were reached, {} were judged.", ours.reached,
-                                  ours.targets, ours.after_truth ? ours.after_truth->n : 0);
+                                  ours.targets, ours.after_judged ? ours.after_judged->n : 0);
   if (ours.coverage_95)
     words += fmt::format(
         " Of the end point's estimates, {} % of the components are within their "
@@ -169,9 +169,9 @@ void add_files(HtmlPage& page, const fs::path& out) {
 }
 
 std::vector<QuiverPanel> error_panels(const ExperimentReport& report) {
-  return {error_panel("Open loop", report.paper, &TargetResult::before_truth),
-          error_panel("Paper's chain", report.paper, &TargetResult::after_truth),
-          error_panel("planar-servo", report.ours, &TargetResult::after_truth)};
+  return {error_panel("Open loop", report.paper, &TargetResult::before_judged),
+          error_panel("Paper's chain", report.paper, &TargetResult::after_judged),
+          error_panel("planar-servo", report.ours, &TargetResult::after_judged)};
 }
 
 /// The plots of the report by the part of the page that has them.
@@ -229,7 +229,7 @@ void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlo
   page.add_heading("Largest errors");
   page.add_html(worst_table(report).html());
   page.add_html(plot_html(
-      quiver_panels({error_panel("planar-servo", report.ours, &TargetResult::after_truth)})));
+      quiver_panels({error_panel("planar-servo", report.ours, &TargetResult::after_judged)})));
   page.add_paragraph("The errors of our chain once more, at scales of their own.");
   page.add_heading("Coverage");
   page.add_paragraph(coverage_words(report));

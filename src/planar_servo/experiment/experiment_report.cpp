@@ -93,7 +93,7 @@ TextTable chain_table(const ExperimentReport& report) {
       {"chain", "camera model", "lamp centres", "error map", "control law", "vision error: mean",
        "end point: mean", "at 95 %", "largest"});
   const auto row = [&](std::vector<std::string> fields, const std::vector<TargetResult>& results) {
-    const auto after = figures_of(results).after_truth;
+    const auto after = figures_of(results).after_judged;
     const auto field = [](std::optional<double> metres) {
       return metres && std::isfinite(*metres) ? fmt::format("{:#.3g}", mm(*metres)) : kNone;
     };
@@ -141,7 +141,7 @@ std::vector<ShownTable> map_tables_of(const PaperTables& tables) {
 void list_judge(ReportList& list, const ExperimentReport& report) {
   if (!report.reflector_sigma) return;
   const auto judged = [](const std::vector<TargetResult>& results) {
-    return fmt::format("{} of {}", error_lengths(results, &TargetResult::after_truth).size(),
+    return fmt::format("{} of {}", error_lengths(results, &TargetResult::after_judged).size(),
                        results.size());
   };
   list.line("", fmt::format("judged by the cell's tracker: {} targets with our chain, {} with the "
@@ -211,7 +211,7 @@ ReportList experiment_list(const ExperimentReport& report) {
             mean_error(report.paper_no_map, &TargetResult::vision_raw),
             mean_error(report.ours, &TargetResult::vision_compensated));
   list.line("", fmt::format("positioning by the paper's chain without a map: {:.3f} mm mean",
-                            mm(mean_error(report.paper_no_map, &TargetResult::after_truth))));
+                            mm(mean_error(report.paper_no_map, &TargetResult::after_judged))));
   list.line("", "ours:");
   list.append(servo_list(figures_of(report.ours)));
   for (const auto& [key, results] : {std::pair("paper_chain", &report.paper),

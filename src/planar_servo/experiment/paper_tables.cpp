@@ -112,7 +112,7 @@ std::array<double, 2> functions_of(const ErrorMap& map) {
 /// Says what went into the maps, and how well they predict places that they were not fitted to.
 std::vector<ComparisonRow> map_sources(const CalibratedChain& ours, const CalibratedChain& paper) {
   const auto test = [](const CalibratedChain& chain) {
-    return check_error_map(chain.map->map, pairs_to_check(chain.pairs, {Plan::kTest}));
+    return check_error_map(chain.map->map, pairs_to_check(chain.pairs, {Purpose::kTest}));
   };
   const MapCheck our_test = test(ours), paper_test = test(paper);
   const auto [our_count, our_width_mm] = functions_of(ours.map->map);
@@ -218,9 +218,9 @@ std::vector<PositioningRow> positioning_table(const std::vector<ControlCircle>& 
                                               const std::vector<TargetResult>& paper) {
   const auto row = [](const std::string& label, const std::vector<TargetResult>& our,
                       const std::vector<TargetResult>& their) {
-    return PositioningRow{label, mean_error(their, &TargetResult::before_truth),
-                          mean_error(our, &TargetResult::after_truth),
-                          mean_error(their, &TargetResult::after_truth)};
+    return PositioningRow{label, mean_error(their, &TargetResult::before_judged),
+                          mean_error(our, &TargetResult::after_judged),
+                          mean_error(their, &TargetResult::after_judged)};
   };
   std::vector<PositioningRow> rows;
   for (std::size_t i = 0; i < circles.size(); ++i) {

@@ -50,8 +50,9 @@ fs::path lays_file(const fs::path& folder) {
 /// alone, poses and the sweep of joint 1; without a map all but those that only judge maps.
 std::vector<FrameRow> frames_for(const ChainSettings& settings, std::vector<FrameRow> frames) {
   const auto unused = [&](const FrameRow& frame) {
-    if (!settings.uses_tracker) return frame.plan != Plan::kPose && frame.plan != Plan::kSweep1;
-    return !settings.learns_map && (frame.plan == Plan::kTest || frame.plan == Plan::kCheck);
+    if (!settings.uses_tracker)
+      return frame.plan != Purpose::kPose && frame.plan != Purpose::kSweep1;
+    return !settings.learns_map && (frame.plan == Purpose::kTest || frame.plan == Purpose::kCheck);
   };
   frames.erase(std::remove_if(frames.begin(), frames.end(), unused), frames.end());
   return frames;
@@ -108,7 +109,7 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
 
 /// Fits the map that a hand finds: the one of the width that is best on the test positions.
 MapResult map_by_hand(const std::vector<PairRow>& pairs) {
-  const std::vector<PairRow> judges = pairs_to_check(pairs, {Plan::kTest});
+  const std::vector<PairRow> judges = pairs_to_check(pairs, {Purpose::kTest});
   std::optional<MapResult> best;
   double best_rms = 0.0;
   for (int i = 0; i < kHandWidths; ++i) {

@@ -140,19 +140,6 @@ FoundArm read_found_arm(const std::filesystem::path& path) {
   return arm;
 }
 
-JointPlanner servo_planner(const CellSettings& cell) {
-  JointPlanner planner = joint_planner(cell);
-  if (cell.arm_found)
-    planner.plan_for(
-        read_found_arm(require_made(*cell.arm_found, "planar-fit-error-map --arm-out")));
-  return planner;
-}
-
-JointPlanner planner_so_far(const CellSettings& cell) {
-  const bool found = cell.arm_found && std::filesystem::exists(*cell.arm_found);
-  return found ? servo_planner(cell) : joint_planner(cell);
-}
-
 std::vector<Origin> learned_arm_origins(const CellSettings& cell) {
   return {origin_of({Role::kArmFound, cell.arm_found.value()}),
           origin_of({Role::kErrorMap, cell.error_map})};

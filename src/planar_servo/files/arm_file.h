@@ -20,13 +20,6 @@ std::string found_arm_text(const FoundArm& arm, const std::vector<ArmTerm>& term
 /// Reads the arm from arm.yaml. Throws InputError naming every fault.
 FoundArm read_found_arm(const std::filesystem::path& path);
 
-/// Returns the cell's planner, for the arm that was found where the cell names one. Throws
-/// InputError when that file does not exist.
-JointPlanner servo_planner(const CellSettings& cell);
-
-/// Returns the same, but for the arm of the cell file as long as that file does not exist.
-JointPlanner planner_so_far(const CellSettings& cell);
-
 /// Returns what the learned arm of a cell is made from: arm.yaml and map.yaml.
 std::vector<Origin> learned_arm_origins(const CellSettings& cell);
 

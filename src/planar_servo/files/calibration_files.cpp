@@ -192,13 +192,6 @@ VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
   return vision;
 }
 
-std::optional<VisionCalibration> vision_so_far(const CellSettings& cell) {
-  namespace fs = std::filesystem;
-  if (!fs::exists(cell.camera_model) || !fs::exists(cell.workplane) || !fs::exists(cell.tool))
-    return std::nullopt;
-  return read_vision(cell, fs::exists(cell.error_map));
-}
-
 LampScene read_lamp_scene(const CellSettings& cell) {
   namespace fs = std::filesystem;
   LampScene scene{{cell.camera.width_px, cell.camera.height_px},

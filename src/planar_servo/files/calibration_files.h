@@ -22,9 +22,6 @@ namespace planar {
 /// lamps.
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map);
 
-/// Reads the same, the error map where its file exists, once camera, workplane and tool are known.
-std::optional<VisionCalibration> vision_so_far(const CellSettings& cell);
-
 /// Reads as much of the cell's vision as there are files for. The error map is left out.
 LampScene read_lamp_scene(const CellSettings& cell);
 

@@ -49,7 +49,7 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
     }
     const std::size_t before = pictures.size();
     for (const FrameRow& frame : read_frames(path)) {
-      if (frame.plan == Plan::kHeldBoard)
+      if (frame.plan == Purpose::kHeldBoard)
         pictures.push_back({path / frame.image, frame.region_px.tl()});
     }
     if (pictures.size() == before)

@@ -35,7 +35,7 @@ BoardViews find_board_views(const std::vector<std::filesystem::path>& images, co
 
 /// Reads views of the board from a file of pixels that another program found, view after view; see
 /// read_board_pixels(). The images have the given size. When it is empty, the size is chosen such
-/// that the points lie amid the image. Throws InputError unless the points make whole views.
+/// that the points lie within the image. Throws InputError unless the points make whole views.
 BoardViews board_views_from_points(const std::filesystem::path& points, const Board& board,
                                    cv::Size size_px);
 

@@ -221,7 +221,7 @@ void ReportList::print_row(const ReportList& row, const char* prefix, const char
     if (cell.is_shown) cells.push_back(cell.text);
   std::string text = fmt::format("{}{}", prefix, fmt::join(cells, between));
   text.erase(text.find_last_not_of(' ') + 1);
-  lines_.push_back({"", text, true, true});
+  lines_.push_back(row_of(text));
 }
 
 bool ReportList::has_rows(const std::string& key) const {

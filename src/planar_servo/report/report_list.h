@@ -73,7 +73,7 @@ class ReportList {
   void append_figures(const ReportList& other) { json_.update(other.json_); }
   /// Adds a line that is only printed: it heads rows, whose columns have names of their own in a
   /// table.
-  void row_heads(const std::string& text) { lines_.push_back({"", text, true, true}); }
+  void row_heads(const std::string& text) { lines_.push_back(row_of(text)); }
   /// Adds the lines of `row` as the cells of a table's next row. They are printed side by side as
   /// their formats pad them. Its figures are not added.
   void row(const std::string& table, const ReportList& row);
@@ -102,6 +102,9 @@ class ReportList {
     bool is_shown;
     bool is_row{false};
   };
+  static Line row_of(const std::string& text) {
+    return {"", text, /*is_shown=*/true, /*is_row=*/true};
+  }
 
   template <typename Value>
   static nlohmann::json json_of(const Value& value) {

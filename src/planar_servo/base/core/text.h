@@ -69,7 +69,7 @@ std::string about_time(double seconds);
 /// written as `\x1b`, so that what stands in a file or comes from a port controls no terminal.
 std::string visible(std::string_view text);
 
-/// Returns the word that is most like this one, the first of those equally like it. They may differ
+/// Returns the word most similar to this one, the first of several. They may differ
 /// by a letter in three, and by two letters at most; two letters in each other's place count once.
 /// Empty when no word is as like.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& words);

@@ -166,9 +166,8 @@ template <typename Row>
 class TableFile : public CsvFile {
  public:
   /// Opens the file and throws as CsvFile() does. `schema` must outlive the table.
-  TableFile(const std::filesystem::path& path, const TableSchema<Row>& schema,
-            const CsvDialect& dialect = {})
-      : CsvFile(path, schema.kind, schema.columns().names(Column::kRequired), dialect,
+  TableFile(const CsvSource& source, const TableSchema<Row>& schema, const CsvDialect& dialect = {})
+      : CsvFile(source, schema.kind, schema.columns().names(Column::kRequired), dialect,
                 schema.unended, schema.columns().names(Column::kOptional)),
         schema_(schema) {}
 

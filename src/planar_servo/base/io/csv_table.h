@@ -3,11 +3,14 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <istream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
@@ -118,6 +121,16 @@ class CsvTable {
 /// wrote, or whole, as some editors leave it.
 enum class UnendedRow { kWarned, kRefused };
 
+/// A table's file, or its text under the name of one.
+struct CsvSource {
+  CsvSource(std::filesystem::path file) : path(std::move(file)) {}
+  CsvSource(std::filesystem::path name, std::string its_text)
+      : path(std::move(name)), text(std::move(its_text)) {}
+
+  std::filesystem::path path;
+  std::optional<std::string> text{};
+};
+
 /// Reads a CSV file row by row:
 ///
 ///     CsvFile table(path, "pairs", {"id", "x_vision_mm"});
@@ -127,7 +140,7 @@ class CsvFile : public CsvTable {
  public:
   /// Reads the file up to its header. Throws InputError when the file cannot be read or has no
   /// header line, and when take_line() does.
-  CsvFile(const std::filesystem::path& path, const std::string& kind,
+  CsvFile(const CsvSource& source, const std::string& kind,
           const std::vector<std::string>& required, const CsvDialect& dialect = {},
           UnendedRow unended = UnendedRow::kWarned, const std::vector<std::string>& optional = {});
 
@@ -138,7 +151,7 @@ class CsvFile : public CsvTable {
   bool next_line();
   void question_unended_row();
 
-  std::ifstream in_;
+  std::unique_ptr<std::istream> in_;
   UnendedRow unended_;
   std::string buffer_;
   int lines_{0};

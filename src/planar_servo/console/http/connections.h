@@ -1,6 +1,7 @@
 #pragma once
 
 #include <httplib.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>

@@ -29,10 +29,10 @@ struct ErrorSeries {
 };
 
 std::vector<ErrorSeries> series_of(const ExperimentReport& report) {
-  return {{"before feedback", kSeriesColors[4], report.paper, &TargetResult::before_truth},
-          {"paper's, no map", kSeriesColors[3], report.paper_no_map, &TargetResult::after_truth},
-          {"paper's chain", kSeriesColors[1], report.paper, &TargetResult::after_truth},
-          {"ours", kSeriesColors[0], report.ours, &TargetResult::after_truth}};
+  return {{"before feedback", kSeriesColors[4], report.paper, &TargetResult::before_judged},
+          {"paper's, no map", kSeriesColors[3], report.paper_no_map, &TargetResult::after_judged},
+          {"paper's chain", kSeriesColors[1], report.paper, &TargetResult::after_judged},
+          {"ours", kSeriesColors[0], report.ours, &TargetResult::after_judged}};
 }
 
 Axis error_axis(const ExperimentReport& report) {
@@ -106,7 +106,7 @@ Panel cumulative_panel(const ExperimentReport& report) {
 Panel component_histogram(const std::string& title, const std::vector<TargetResult>& results) {
   std::vector<Eigen::Vector2d> errors;
   for (const TargetResult& result : results)
-    if (result.after_truth) errors.push_back(*result.after_truth / kMillimetre);
+    if (result.after_judged) errors.push_back(*result.after_judged / kMillimetre);
   const std::vector<double> components = components_of(errors);
   return histogram(title, "true error along x and y, mm", components,
                    {rms(components), "their rms"});
@@ -142,7 +142,7 @@ Panel way_panel(const std::string& title, const Axis& corrections, const Axis& e
 }  // namespace
 
 std::vector<ReportPlot> control_plots(const ExperimentReport& report) {
-  if (error_lengths(report.paper, &TargetResult::before_truth).empty()) return {};
+  if (error_lengths(report.paper, &TargetResult::before_judged).empty()) return {};
   return {
       paper_plot(18, "the targets of the feedback control",
                  "The desired points of four circles about places beside the base. They reach "

@@ -25,7 +25,7 @@ std::optional<SeenFrame> frame_to_show(const std::vector<FrameRow>& frames,
                                        std::vector<LampRow> lamps) {
   std::map<std::string, const FrameRow*> by_image;
   for (const FrameRow& frame : frames)
-    if (frame.plan == Plan::kCheck) by_image.emplace(frame.image, &frame);
+    if (frame.plan == Purpose::kCheck) by_image.emplace(frame.image, &frame);
   std::optional<SeenFrame> best;
   for (LampRow& row : lamps) {
     const auto frame = by_image.find(row.image);
@@ -99,7 +99,7 @@ PlotData plot_data(const CalibratedChain& paper, const ExperimentPlan& plan,
                              predict_error(data.rbf, pair->p_vision, pair->phi)});
   }
   for (const PairRow& pair : paper.pairs)
-    if (pair.plan == Plan::kTrain && pair.is_attended())
+    if (pair.plan == Purpose::kTrain && pair.is_attended())
       data.training.push_back({pair.p_vision, pair.error()});
   return data;
 }

@@ -135,7 +135,7 @@ const TableSchema<PairRow>& pair_schema() {
                                 Column::kOptional);
         columns.optional_number("sigma_tracker_mm", row.sigma_tracker, kMillimetre, 6,
                                 Column::kOptional);
-        columns.choice("plan", row.plan, kPlans);
+        columns.choice("plan", row.plan, kPurposes);
         columns.text("place", row.place, Column::kOptional);
         list_lamps(columns, row.lamps_B);
         columns.optional_point("x_reflector_mm", "y_reflector_mm", row.p_reflector, kMillimetre, 6,

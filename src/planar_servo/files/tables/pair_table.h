@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/plan.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/lamps/lamp.h"
@@ -59,8 +59,8 @@ struct PairRow {
   std::optional<double> phi{};
   std::optional<double> sigma_vision{};
   std::optional<double> sigma_tracker{};
-  std::optional<Plan> plan{};  ///< none when the table does not say
-  std::string place{};         ///< rows of one place share its name; empty when not given
+  std::optional<Purpose> plan{};  ///< none when the table does not say
+  std::string place{};            ///< rows of one place share its name; empty when not given
   /// Where lamps 1 and 2 are seen on the plane, base frame, uncompensated.
   std::optional<std::array<Eigen::Vector2d, 2>> lamps_B{};
   std::optional<Eigen::Vector2d> p_reflector{};  ///< base frame

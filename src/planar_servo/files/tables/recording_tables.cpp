@@ -42,7 +42,7 @@ TableSchema<PlanRow> plan_schema(double tool_orientation) {
         columns.check(row.id.find('/') == std::string::npos,
                       {fmt::format("id is '{}'", row.id), "it names images, so '/' is not allowed"},
                       "id");
-        columns.choice("plan", row.plan, kPlans);
+        columns.choice("plan", row.plan, kPurposes);
         list_place(columns, row, tool_orientation);
         columns.check(shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
                       {"has no position", "x_mm, y_mm or theta1_deg ... theta3_deg are needed"});
@@ -56,7 +56,7 @@ const TableSchema<FrameRow>& frame_schema() {
         columns.text("id", row.id);
         columns.text("image", row.image);
         columns.number("t_s", row.t_s, 1.0, 6);
-        columns.choice("plan", row.plan, kPlans);
+        columns.choice("plan", row.plan, kPurposes);
         list_joints(columns, row.theta);
         list_pulses(columns, row.pulses);
         columns.whole_number("region_u0_px", row.region_px.x);

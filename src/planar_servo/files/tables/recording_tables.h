@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
-#include "planar_servo/base/core/plan.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/arm/transmission.h"
 
@@ -21,7 +21,7 @@ class Columns;
 /// are in metres, angles in radians.
 struct PlanRow {
   std::string id;
-  Plan plan{Plan::kTrain};
+  Purpose plan{Purpose::kTrain};
   std::variant<std::monostate, TipPose, Joints> where;
 };
 
@@ -35,7 +35,7 @@ struct FrameRow {
   std::string id;
   std::string image;  ///< relative to the recording's folder
   double t_s{0.0};
-  Plan plan{Plan::kTrain};
+  Purpose plan{Purpose::kTrain};
   Joints theta{0.0, 0.0, 0.0};
   Pulses pulses{0, 0, 0};
   cv::Rect region_px;

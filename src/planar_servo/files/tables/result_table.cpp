@@ -67,11 +67,11 @@ void list_tracker(Columns& columns, TargetResult& result) {
     list_error(columns, name, by_tracker, Column::kOptional);
     if (by_tracker) field = by_tracker;
   };
-  auto sigma_m = result.sigma_truth_m;
+  auto sigma_m = result.sigma_judged_m;
   columns.optional_number("sigma_tracker_mm", sigma_m, kMillimetre, 6, Column::kOptional);
-  if (sigma_m) result.sigma_truth_m = sigma_m;
-  list("before_tracker", result.before_truth);
-  list("after_tracker", result.after_truth);
+  if (sigma_m) result.sigma_judged_m = sigma_m;
+  list("before_tracker", result.before_judged);
+  list("after_tracker", result.after_judged);
 }
 
 const TableSchema<TargetResult>& result_schema() {
@@ -87,7 +87,7 @@ const TableSchema<TargetResult>& result_schema() {
                                 Column::kRequired);
         for (const ResultError& error : result_errors())
           list_error(columns, error.name, result.*error.error, Column::kRequired);
-        columns.optional_number("sigma_truth_mm", result.sigma_truth_m, kMillimetre, 6,
+        columns.optional_number("sigma_truth_mm", result.sigma_judged_m, kMillimetre, 6,
                                 Column::kOptional);
         columns.text("not_judged", result.not_judged, Column::kOptional);
         columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6,
@@ -182,8 +182,8 @@ const std::vector<ResultError>& result_errors() {
   static const std::vector<ResultError> errors{
       {"before_own_view", &TargetResult::before_own},
       {"after_own_view", &TargetResult::after_own},
-      {"before_truth", &TargetResult::before_truth},
-      {"after_truth", &TargetResult::after_truth},
+      {"before_truth", &TargetResult::before_judged},
+      {"after_truth", &TargetResult::after_judged},
       {"vision_raw", &TargetResult::vision_raw},
       {"vision_compensated", &TargetResult::vision_compensated}};
   return errors;

@@ -73,17 +73,17 @@ struct TargetResult {
   std::string reason;
   int iterations{0};
   double seconds{0.0};
-  std::optional<Eigen::Vector2d> before_own, after_own;      ///< by the compensated vision
-  std::optional<Eigen::Vector2d> before_truth, after_truth;  ///< where truth or tracker watches
+  std::optional<Eigen::Vector2d> before_own, after_own;        ///< by the compensated vision
+  std::optional<Eigen::Vector2d> before_judged, after_judged;  ///< where truth or tracker watches
   /// Vision minus truth at the last measurement, before and after compensation.
   std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
   /// Where the servo believed the end point at the last measurement, minus truth.
   std::optional<Eigen::Vector2d> believed;
-  std::optional<double> uncertainty_m;  ///< of that place, per axis
-  std::optional<double> sigma_truth_m;  ///< of `after_truth` per axis, where a tracker watches
-  std::string not_judged;               ///< why the tracker did not judge; empty otherwise
+  std::optional<double> uncertainty_m;   ///< of that place, per axis
+  std::optional<double> sigma_judged_m;  ///< of `after_judged` per axis, where a tracker watches
+  std::string not_judged;                ///< why the tracker did not judge; empty otherwise
 
-  bool judged_by_tracker() const { return sigma_truth_m || !not_judged.empty(); }
+  bool judged_by_tracker() const { return sigma_judged_m || !not_judged.empty(); }
 };
 
 /// Names one of the errors of a result. Each has three columns: its length and its components.

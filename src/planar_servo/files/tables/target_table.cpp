@@ -192,8 +192,8 @@ TableForm target_form() {
   return form_of(target_schema());
 }
 
-Path read_path(const std::filesystem::path& file, double tool_orientation) {
-  TableFile<PathRow> table(file, path_schema());
+Path read_path(const CsvSource& source, double tool_orientation) {
+  TableFile<PathRow> table(source, path_schema());
   std::vector<Waypoint> waypoints;
   for (PathRow row; table.next(row);) {
     const Waypoint next{{row.p, row.phi.value_or(tool_orientation)}, row.via};
@@ -205,7 +205,8 @@ Path read_path(const std::filesystem::path& file, double tool_orientation) {
   }
   table.throw_if_faulty_or_empty();
   if (waypoints.size() < 2)
-    throw InputError({"a path needs at least two rows: its beginning and its end", "", file});
+    throw InputError(
+        {"a path needs at least two rows: its beginning and its end", "", source.path});
   return Path(waypoints);
 }
 

@@ -60,7 +60,7 @@ class TargetLines {
 /// straight; phi_deg is the tool's direction, by default `tool_orientation` (radians). Throws
 /// InputError naming FILE:LINE of each row that cannot be reached from the one before it, and for
 /// fewer than two rows.
-Path read_path(const std::filesystem::path& file, double tool_orientation);
+Path read_path(const CsvSource& source, double tool_orientation);
 
 /// Says what leads the end point along a path: the arm's model alone, or vision as well.
 enum class Guidance { kArm, kVision };

@@ -13,8 +13,8 @@
 namespace planar {
 namespace {
 
-/// One respect in which looks are compared.
-struct Respect {
+/// What of a lamp is compared between looks.
+struct LookFeature {
   Cause cause;
   double (*value)(const LampLook&);
   bool counts_above, counts_below;  ///< which way out of the range is a fault
@@ -25,7 +25,7 @@ struct Respect {
 
 /// The widths are those of noise: two grey levels, a tenth of the usual blur, one per cent of a
 /// diameter of 30 px and more.
-const Respect kRespects[] = {
+const LookFeature kLookFeatures[] = {
     {Cause::kBackground, [](const LampLook& look) { return look.background; }, true, false, 2.0,
      "{}: the background of lamp {} is {:.0f} of 255, was {:.0f} to {:.0f}", "levels"},
     {Cause::kTooBright, [](const LampLook& look) { return look.contrast(); }, true, false, 5.0,
@@ -37,10 +37,10 @@ const Respect kRespects[] = {
 };
 
 /// Returns the mean of a value over the looks that have it; 0 without any.
-double mean_of(const std::vector<LampLooks>& looks, std::size_t lamp, const Respect& respect) {
+double mean_of(const std::vector<LampLooks>& looks, std::size_t lamp, const LookFeature& feature) {
   double sum = 0.0, count = 0.0;
   for (const LampLooks& look : looks) {
-    const double value = respect.value(look[lamp]);
+    const double value = feature.value(look[lamp]);
     if (!(value > 0.0)) continue;
     sum += value;
     count += 1.0;
@@ -115,23 +115,23 @@ std::optional<LookRanges> ranges_of(const std::vector<LampLooks>& looks) {
 
 std::optional<HealthFinding> find_light_change(const LookRanges& then,
                                                const std::vector<LampLooks>& now, double cost_m) {
-  for (const Respect& respect : kRespects) {
+  for (const LookFeature& feature : kLookFeatures) {
     const auto has_changed = [&](std::size_t lamp) {
-      const double value = mean_of(now, lamp, respect);
-      const double least = respect.value(then[lamp].least), most = respect.value(then[lamp].most);
-      const double width = std::max(respect.least_width, most - least);
-      return value > 0.0 && ((respect.counts_above && value > most + width) ||
-                             (respect.counts_below && value < least - width));
+      const double value = mean_of(now, lamp, feature);
+      const double least = feature.value(then[lamp].least), most = feature.value(then[lamp].most);
+      const double width = std::max(feature.least_width, most - least);
+      return value > 0.0 && ((feature.counts_above && value > most + width) ||
+                             (feature.counts_below && value < least - width));
     };
     for (std::size_t lamp = 0; lamp < 2; ++lamp) {
       if (!has_changed(lamp)) continue;
-      const bool alone = respect.cause == Cause::kBlurred && !has_changed(1 - lamp);
-      const Cause cause = alone ? Cause::kUnclearLamp : respect.cause;
-      const double value = mean_of(now, lamp, respect);
+      const bool alone = feature.cause == Cause::kBlurred && !has_changed(1 - lamp);
+      const Cause cause = alone ? Cause::kUnclearLamp : feature.cause;
+      const double value = mean_of(now, lamp, feature);
       return HealthFinding{
-          cause, value, respect.unit, cost_m,
-          fmt::format(fmt::runtime(respect.format), words(cause), lamp + 1, value,
-                      respect.value(then[lamp].least), respect.value(then[lamp].most))};
+          cause, value, feature.unit, cost_m,
+          fmt::format(fmt::runtime(feature.format), words(cause), lamp + 1, value,
+                      feature.value(then[lamp].least), feature.value(then[lamp].most))};
     }
   }
   return std::nullopt;

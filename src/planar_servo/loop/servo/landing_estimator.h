@@ -58,6 +58,10 @@ class LandingModel {
   virtual const FoundArm* learned_arm() const { return nullptr; }
 };
 
+/// The guard's distance is half as long again as any that was seen at the calibration: so many
+/// deviations of them.
+constexpr double kDeviationsToGuard = 3.0;
+
 /// The landings of an arm of which nothing is known. Vision is as certain as it states.
 class UnknownLandings final : public LandingModel {
  public:
@@ -65,7 +69,7 @@ class UnknownLandings final : public LandingModel {
   explicit UnknownLandings(double distance_m) : distance_m_(distance_m) {}
 
   LandingPrior at(const Joints& /*theta_c*/, const TipMeasurement& look) const override {
-    const double landing_m = distance_m_ / kDeviationsInDistance;
+    const double landing_m = distance_m_ / kDeviationsToGuard;
     const double lasting_variance =
         look.uncertainty_m * look.uncertainty_m - look.noise_m() * look.noise_m();
     LandingPrior prior;
@@ -76,9 +80,6 @@ class UnknownLandings final : public LandingModel {
   }
 
  private:
-  /// The guard's distance is half as long again as any that was seen at the calibration: three
-  /// deviations of them.
-  static constexpr double kDeviationsInDistance = 3.0;
   /// A guess at the scatter of an arm that is fit for positioning; looks soon replace it.
   static constexpr double kGuessedScatter_m = 5e-6;
 

@@ -28,12 +28,8 @@ constexpr double kLeast_m = 1e-6, kLeastTurn = 25e-6;
 
 bool is_like(double value, const std::deque<double>& others, double least) {
   const double middle = median({others.begin(), others.end()});
-  std::vector<double> off;
-  off.reserve(others.size());
-  for (const double other : others) off.push_back(std::abs(other - middle));
-  constexpr double kMedianOfOne = 0.6745;
   return std::abs(value - middle) <
-         kDeviations * std::max(least, median(std::move(off)) / kMedianOfOne);
+         kDeviations * std::max(least, robust_sigma({others.begin(), others.end()}));
 }
 
 /// Below this an arm repeats better than anybody has measured.

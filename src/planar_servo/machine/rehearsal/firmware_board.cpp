@@ -57,6 +57,18 @@ Eigen::Vector3d of_axes(const EmulatedGrbl::Settings& settings, int first, doubl
 
 }  // namespace
 
+PassingFolder::PassingFolder(const std::string& name) {
+  std::string pattern = (fs::temp_directory_path() / (name + "-XXXXXX")).string();
+  if (mkdtemp(pattern.data()) == nullptr)
+    throw WorkError({"no folder can be made there", "is the disk full?", pattern});
+  path_ = pattern;
+}
+
+PassingFolder::~PassingFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
 FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<std::string>& options,
                                  const std::vector<std::string>& commands)
     : FirmwareProcess(simulator, options) {

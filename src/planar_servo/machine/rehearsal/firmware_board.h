@@ -12,11 +12,25 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/threads.h"
-#include "planar_servo/base/io/passing_folder.h"
 #include "planar_servo/machine/rehearsal/emulated_grbl.h"
 #include "planar_servo/machine/rehearsal/pty_port.h"
 
 namespace planar {
+
+/// A folder for temporary files, which goes with all of them when this ends.
+class PassingFolder {
+ public:
+  /// Its name begins with this. Throws WorkError when no folder can be made.
+  explicit PassingFolder(const std::string& name);
+  ~PassingFolder();
+  PassingFolder(const PassingFolder&) = delete;
+  PassingFolder& operator=(const PassingFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 /// Real firmware of a motion board, built for this machine as a simulator: Grbl's or grblHAL's. It
 /// runs on a serial line, in a folder of its own that is removed with it.

@@ -59,9 +59,9 @@ void require_one_unit_of(const std::vector<PairRow>& pairs) {
   require_one_unit(p_vision, p_tracker);
 }
 
-bool is_wanted(const PairRow& pair, const std::vector<Plan>& plans) {
+bool is_wanted(const PairRow& pair, const std::vector<Purpose>& plans) {
   if (!pair.is_attended()) return false;
-  if (plans.empty()) return pair.plan != Plan::kTrain;
+  if (plans.empty()) return pair.plan != Purpose::kTrain;
   return pair.plan && std::find(plans.begin(), plans.end(), *pair.plan) != plans.end();
 }
 
@@ -69,14 +69,14 @@ bool is_wanted(const PairRow& pair, const std::vector<Plan>& plans) {
 template <typename Plans>
 std::string joined(const Plans& plans) {
   std::string text;
-  for (const Plan plan : plans) text += (text.empty() ? "" : ", ") + std::string(name(plan));
+  for (const Purpose plan : plans) text += (text.empty() ? "" : ", ") + std::string(name(plan));
   return text;
 }
 
 void add(const PairRow& pair, TrainingPairs& training) {
   if (!pair.is_attended())
     ++training.n_unattended;
-  else if (!pair.plan || *pair.plan == Plan::kTrain)
+  else if (!pair.plan || *pair.plan == Purpose::kTrain)
     training.problem.samples.push_back(
         {pair.id, pair.p_vision, pair.error(),
          std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi,
@@ -89,7 +89,7 @@ void require_any(const TrainingPairs& training) {
   if (training.problem.samples.empty())
     throw InputError(fmt::format("none of {} pairs is of plan '{}', to which a map is fitted",
                                  training.n_other_plans + training.n_unattended,
-                                 name(Plan::kTrain)));
+                                 name(Purpose::kTrain)));
 }
 
 void log_kernel(const IdwMap& /*map*/) {}
@@ -118,8 +118,8 @@ void log(const MapResult& result) {
 
 }  // namespace
 
-std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Plan>& plans) {
-  std::set<Plan> present;
+std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Purpose>& plans) {
+  std::set<Purpose> present;
   for (const PairRow& pair : pairs)
     if (pair.plan) present.insert(*pair.plan);
   const std::size_t all = pairs.size();

@@ -31,7 +31,7 @@ struct MapCheck {
 
 /// Returns the attended pairs of the named plans. Without names it returns those whose plan is not
 /// `train`, which are all when the pairs name no plans. Throws InputError when there are none.
-std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Plan>& plans);
+std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vector<Purpose>& plans);
 
 /// Throws InputError naming the pairs' file when a pair lacks what the map depends on: the tool's
 /// direction, or the lamps and the reflector.

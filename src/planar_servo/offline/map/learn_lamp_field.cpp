@@ -20,7 +20,8 @@ namespace planar {
 namespace {
 
 bool tells_field(const PairRow& pair) {
-  constexpr Plan kTelling[] = {Plan::kTrain, Plan::kSweep1, Plan::kSweep3, Plan::kPose};
+  constexpr Purpose kTelling[] = {Purpose::kTrain, Purpose::kSweep1, Purpose::kSweep3,
+                                  Purpose::kPose};
   return !pair.plan || std::count(std::begin(kTelling), std::end(kTelling), *pair.plan) > 0;
 }
 

@@ -143,8 +143,8 @@ Panel comparison_panel(const std::vector<ComparedField>& ways) {
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const std::vector<double>& misses = ways[i].misses;
     std::vector<Eigen::Vector2d> line{{0.0, 0.0}};
-    for (std::size_t k = 0; k < misses.size() && misses[k] / kMillimetre <= miss.to; ++k)
-      line.emplace_back(misses[k] / kMillimetre,
+    for (std::size_t k = 0; k < misses.size() && mm(misses[k]) <= miss.to; ++k)
+      line.emplace_back(mm(misses[k]),
                         static_cast<double>(k + 1) / static_cast<double>(misses.size()));
     const char* color = kSeriesColors[i % std::size(kSeriesColors)];
     panel.add_line(line, Panel::Stroke::kSolid, color);
@@ -173,8 +173,7 @@ void add_tables(HtmlPage& page, const ReportList& list) {
 
 QuiverPanel quiver_of(const std::string& what, const std::vector<Eigen::Vector2d>& places,
                       const std::vector<Eigen::Vector2d>& errors) {
-  return {fmt::format("{}: {:.4f} mm rms", what, rms(lengths_of(errors)) / kMillimetre), places,
-          errors};
+  return {fmt::format("{}: {:.4f} mm rms", what, mm(rms(lengths_of(errors)))), places, errors};
 }
 
 }  // namespace
@@ -189,16 +188,15 @@ Verdict map_verdict(const FitErrorMapReport& report) {
              "the map helps only close to its places: in the middle of a part of the field that is "
              "{:.0f} mm wide and has no place, {:.4f} mm rms are left of the error, {:.4f} mm "
              "without a map",
-             result.gap / kMillimetre, result.blocked.value / kMillimetre, mm(result.raw_rms)),
+             mm(result.gap), mm(result.blocked.value), mm(result.raw_rms)),
          "record places so near to one another that no such gap stays, first in the dark parts of "
          "the panel of the uncertainty; until then work close to places that were recorded"});
   add_left_out_pairs(result.rejected.size(), result.n_used + result.rejected.size(), verdict);
   verdict.good = fmt::format(
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, and in a gap "
       "of {:.1f} mm to {:.4f} (95 % interval {:.4f} to {:.4f})",
-      mm(result.raw_rms), mm(result.loo_rms), result.gap / kMillimetre,
-      result.blocked.value / kMillimetre, result.blocked.low / kMillimetre,
-      result.blocked.high / kMillimetre);
+      mm(result.raw_rms), mm(result.loo_rms), mm(result.gap), mm(result.blocked.value),
+      mm(result.blocked.low), mm(result.blocked.high));
   return verdict;
 }
 
@@ -223,7 +221,7 @@ Verdict map_verdict(const LampFieldFit& fit) {
       "own noise included, {} % of it within the stated 95 %; the end point is known to {:.4f} mm "
       "per axis",
       mm(judged.raw_rms), mm(judged.rms), fixed(100.0 * judged.coverage_95, 1),
-      fit.certainty.end_point / kMillimetre);
+      mm(fit.certainty.end_point));
   return verdict;
 }
 

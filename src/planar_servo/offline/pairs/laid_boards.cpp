@@ -96,10 +96,10 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
   std::vector<LaidBoard> boards;
   std::vector<std::filesystem::path> files;
   for (const FrameRow& frame : frames)
-    if (frame.plan == Plan::kLaidBoard) files.push_back(recording / frame.image);
+    if (frame.plan == Purpose::kLaidBoard) files.push_back(recording / frame.image);
   const PictureSet set(files);
   for (const FrameRow& frame : frames) {
-    if (frame.plan != Plan::kLaidBoard) continue;
+    if (frame.plan != Purpose::kLaidBoard) continue;
     const std::filesystem::path file = recording / frame.image;
     const cv::Mat image = read_grey(set, file, faults);
     if (image.empty()) continue;

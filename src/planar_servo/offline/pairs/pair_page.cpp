@@ -110,7 +110,7 @@ void list_clock(ReportList& list, const TrackerClock& clock) {
 /// Lists the raw error of the pairs of each plan that has some.
 void list_raw_errors(ReportList& list, const std::vector<PairRow>& pairs) {
   ReportList by_plan;
-  for (const Plan plan : values_of(kPlans)) {
+  for (const Purpose plan : values_of(kPurposes)) {
     if (std::none_of(pairs.begin(), pairs.end(),
                      [&](const PairRow& pair) { return pair.is_attended() && pair.plan == plan; }))
       continue;

@@ -127,8 +127,8 @@ WorkplaneFit fit_to_arm(const PairTrackerRequest& request, const std::vector<Pos
                               request.dots_height);
 }
 
-bool serves_fit(Plan plan) {
-  return plan == Plan::kTrain || plan == Plan::kSweep1 || plan == Plan::kSweep3;
+bool serves_fit(Purpose plan) {
+  return plan == Purpose::kTrain || plan == Purpose::kSweep1 || plan == Purpose::kSweep3;
 }
 
 struct SortedReadings {
@@ -201,7 +201,8 @@ DatumRegistration registered(const std::vector<Monument>& datum, const SortedRea
 }
 
 /// Doubts readings that scatter more than stated, and replaces the stated deviation by their own.
-PairTrackerRequest with_honest_tracker(PairTrackerRequest request, PairTrackerReport& report) {
+PairTrackerRequest with_tracker_as_it_scatters(PairTrackerRequest request,
+                                               PairTrackerReport& report) {
   const RestSpread spread = rest_spread(request.cell, request.tracker, request.by);
   if (!spread.is_shaking()) return request;
   report.doubts.push_back(spread.doubt());
@@ -297,7 +298,7 @@ void look_for_scatter(const std::vector<PairRow>& in_time, PairTrackerReport& re
 void look_for_motion(const PairTrackerRequest& request, const std::vector<PairRow>& in_time,
                      PairTrackerReport& report) {
   const auto doubt = [&](const auto& motion) {
-    if (motion.is_dear() && !request.accept_step) throw InputError(motion.doubt());
+    if (motion.needs_consent() && !request.accept_step) throw InputError(motion.doubt());
     report.doubts.push_back(motion.doubt());
   };
   report.step = find_step(in_time);
@@ -346,7 +347,7 @@ PairTrackerReport pair_without_tracker(const PairTrackerRequest& request) {
 PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
   if (!has_tool_readings(asked)) return pair_without_tracker(asked);
   PairTrackerReport report;
-  const PairTrackerRequest request = with_honest_tracker(asked, report);
+  const PairTrackerRequest request = with_tracker_as_it_scatters(asked, report);
   const SortedReadings readings = sort_readings(request);
   const DatumRegistration datum = registered(request.cell.datum, readings, report);
   report.datum = datum;
@@ -375,7 +376,7 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
   return report;
 }
 
-Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan) {
+Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Purpose> plan) {
   std::vector<double> lengths;
   for (const PairRow& pair : pairs)
     if (pair.is_attended() && (!plan || pair.plan == plan)) lengths.push_back(pair.error().norm());

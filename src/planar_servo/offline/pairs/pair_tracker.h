@@ -63,6 +63,6 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& request);
 
 /// Returns the figures of |vision - tracker| over the attended pairs of one plan, metres. With an
 /// empty plan all of them count.
-Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Plan> plan = std::nullopt);
+Summary raw_error(const std::vector<PairRow>& pairs, std::optional<Purpose> plan = std::nullopt);
 
 }  // namespace planar

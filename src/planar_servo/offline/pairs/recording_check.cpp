@@ -50,7 +50,7 @@ struct TimedPairs {
 TimedPairs training_errors(const std::vector<PairRow>& pairs) {
   TimedPairs training;
   for (const PairRow& pair : pairs) {
-    if (pair.plan != Plan::kTrain || !pair.is_attended()) continue;
+    if (pair.plan != Purpose::kTrain || !pair.is_attended()) continue;
     training.errors.push_back({pair.p_vision, pair.error(), pair.phi.value_or(0.0)});
     training.pairs.push_back(&pair);
   }
@@ -97,7 +97,7 @@ std::optional<AxisPlace> fit_axis(const std::vector<Eigen::Vector2d>& points, do
   return AxisPlace{circle.head<2>(), covariance.topLeftCorner<2, 2>(), circle.z()};
 }
 
-bool RecordedStep::is_dear() const {
+bool RecordedStep::needs_consent() const {
   return cost() > kMostCost_m;
 }
 
@@ -108,7 +108,7 @@ std::optional<RecordedStep> find_step(const std::vector<PairRow>& pairs) {
   return RecordedStep{training.pairs[change->first]->id, training.pairs.size(), std::move(*change)};
 }
 
-bool RecordedTrend::is_dear() const {
+bool RecordedTrend::needs_consent() const {
   return trend.size.norm() > kMostCost_m;
 }
 
@@ -152,9 +152,9 @@ Refusal RecordedStep::doubt() const {
           "{:.3f}, which costs up to {:.3f} mm at the end point: {}",
           id, places - change.first, places, fixed(change.step / kMillimetre, 3, ", "),
           mm(change.sigma), cost() / kMillimetre, causes_of(change.frame)),
-      is_dear() ? "record again with one seating, leave one of the two parts out, or, if you "
-                  "know that nothing moved, continue with --accept-step"
-                : "if something moved there, record again or leave one of the two parts out"};
+      needs_consent() ? "record again with one seating, leave one of the two parts out, or, if you "
+                        "know that nothing moved, continue with --accept-step"
+                      : "if something moved there, record again or leave one of the two parts out"};
 }
 
 Refusal RecordedTrend::doubt() const {
@@ -166,9 +166,10 @@ Refusal RecordedTrend::doubt() const {
           "pairs: while the training places were recorded, vision and tracker drifted apart by "
           "({}) mm +- {:.3f}{}: {}",
           fixed(trend.size / kMillimetre, 3, ", "), mm(trend.sigma), rate, creeping(trend.frame)),
-      is_dear() ? "fasten it, let tracker and camera warm up and record again, or, if you know "
-                  "better, continue with --accept-step"
-                : "fasten it, or let tracker and camera warm up before the next recording"};
+      needs_consent()
+          ? "fasten it, let tracker and camera warm up and record again, or, if you know "
+            "better, continue with --accept-step"
+          : "fasten it, or let tracker and camera warm up before the next recording"};
 }
 
 void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights) {
@@ -176,7 +177,7 @@ void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSigh
   std::vector<Eigen::Vector2d> points;
   double sigma = 0.0;
   for (const ToolSight& sight : sights) {
-    if (sight.plan != Plan::kSweep1) continue;
+    if (sight.plan != Purpose::kSweep1) continue;
     points.push_back(sight.p_reflector_B.head<2>());
     sigma = std::max(sigma, sight.sigma_tracker);
   }

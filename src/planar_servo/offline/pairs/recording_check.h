@@ -42,7 +42,7 @@ struct RecordedStep {
   /// for the worse of the two states, metres.
   double cost() const { return change.cost(places); }
   /// Returns whether the pairs are to be used only when a person says so.
-  bool is_dear() const;
+  bool needs_consent() const;
   Refusal doubt() const;
 };
 
@@ -52,7 +52,7 @@ struct RecordedTrend {
   double duration_s{0.0};  ///< from the first place to the last; 0 where the times are not known
 
   /// Returns whether the pairs are to be used only when a person says so.
-  bool is_dear() const;
+  bool needs_consent() const;
   Refusal doubt() const;
 };
 

@@ -34,18 +34,18 @@ class PlanBuilder {
 
   const ExperimentCircles& circles() const { return plan_.circles; }
 
-  void add_board_views(Plan plan, int count) {
+  void add_board_views(Purpose plan, int count) {
     for (int i = 0; i < count; ++i)
       plan_.rows.push_back({fmt::format("{}_{:02}", name(plan), i), plan, std::monostate()});
   }
-  void add(const std::string& id, Plan plan, const Eigen::Vector2d& p) {
+  void add(const std::string& id, Purpose plan, const Eigen::Vector2d& p) {
     plan_.rows.push_back({id, plan, TipPose{p, phi_}});
   }
   void add_circle(const std::string& prefix, int radius_mm, int run, int count) {
     const auto points = circle_points(Eigen::Vector2d::Zero(), radius_mm * kMillimetre, count);
     for (int i = 0; i < count; ++i) {
       const std::string id = fmt::format("{}r{}_{:02}", prefix, radius_mm, i);
-      add(id, Plan::kCheck, points[static_cast<std::size_t>(i)]);
+      add(id, Purpose::kCheck, points[static_cast<std::size_t>(i)]);
       plan_.circle_points.push_back({id, radius_mm, run, i});
     }
   }
@@ -55,7 +55,7 @@ class PlanBuilder {
     const double bend = (cell.arm.elbow == Elbow::kLeft ? -sense : sense) * kPi / 2.0;
     for (int i = 0; i < count; ++i) {
       const double theta1 = 2.0 * kPi * i / count - kPi;
-      plan_.rows.push_back({fmt::format("sweep1_{:02}", i), Plan::kSweep1,
+      plan_.rows.push_back({fmt::format("sweep1_{:02}", i), Purpose::kSweep1,
                             Joints(theta1, theta1 + bend, theta1 + sense * phi_)});
     }
   }
@@ -63,10 +63,10 @@ class PlanBuilder {
   void add_joint3_sweep(int count) {
     const double radius = circles().sweep_mm * kMillimetre;
     for (int i = 0; i < count; ++i)
-      plan_.rows.push_back({fmt::format("sweep3_{:02}", i), Plan::kSweep3,
+      plan_.rows.push_back({fmt::format("sweep3_{:02}", i), Purpose::kSweep3,
                             TipPose{{0.0, radius}, phi_ + 2.0 * kPi * i / count - kPi}});
   }
-  void add_disc(Plan plan, int count, const Workspace& workspace, std::mt19937_64& rng) {
+  void add_disc(Purpose plan, int count, const Workspace& workspace, std::mt19937_64& rng) {
     const double rim = circles().rim_mm * kMillimetre;
     const double inner = std::pow(workspace.radius_min_m + rim, 2);
     const double outer = std::pow(workspace.radius_max_m - rim, 2);
@@ -79,7 +79,7 @@ class PlanBuilder {
   }
   void add_poses(int count, const Workspace& workspace, std::mt19937_64& rng) {
     const std::size_t first = plan_.rows.size();
-    add_disc(Plan::kPose, count, workspace, rng);
+    add_disc(Purpose::kPose, count, workspace, rng);
     for (std::size_t i = first; i < plan_.rows.size(); ++i)
       std::get<TipPose>(plan_.rows[i].where).phi = 2.0 * kPi * uniform(rng) - kPi;
   }
@@ -162,12 +162,12 @@ ExperimentPlan experiment_plan(const CellSettings& cell, std::uint64_t seed,
                                const ExperimentSize& size) {
   std::mt19937_64 rng(seed);
   PlanBuilder plan(cell);
-  plan.add_board_views(Plan::kHeldBoard, size.board_views);
-  plan.add_board_views(Plan::kLaidBoard, size.lays);
+  plan.add_board_views(Purpose::kHeldBoard, size.board_views);
+  plan.add_board_views(Purpose::kLaidBoard, size.lays);
   plan.add_joint1_sweep(cell, size.sweep_points);
   plan.add_joint3_sweep(size.sweep_points);
-  plan.add_disc(Plan::kTrain, size.training_points, cell.workspace, rng);
-  plan.add_disc(Plan::kTest, size.test_points, cell.workspace, rng);
+  plan.add_disc(Purpose::kTrain, size.training_points, cell.workspace, rng);
+  plan.add_disc(Purpose::kTest, size.test_points, cell.workspace, rng);
   plan.add_poses(size.unattended_poses, cell.workspace, rng);
   for (const int radius_mm : plan.circles().check_mm)
     plan.add_circle("", radius_mm, 0, size.check_points);

@@ -176,7 +176,7 @@ std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const T
 /// Orders places at random, because a step in time can be told from the field only where successive
 /// places are not neighbours. A place to which the way is forbidden is tried again after the next
 /// one; those to which none leads are left out.
-std::vector<PlanRow> rows_at_random(const KnownCell& known, Plan plan, std::vector<TipPose> tips,
+std::vector<PlanRow> rows_at_random(const KnownCell& known, Purpose plan, std::vector<TipPose> tips,
                                     std::size_t first) {
   mix(tips);
   std::vector<PlanRow> rows;
@@ -189,7 +189,7 @@ std::vector<PlanRow> rows_at_random(const KnownCell& known, Plan plan, std::vect
     }
     at = *theta;
     rows.push_back(
-        {fmt::format("{}_{:03}", name_in(kPlans, plan), first + rows.size()), plan, tips[i]});
+        {fmt::format("{}_{:03}", name_in(kPurposes, plan), first + rows.size()), plan, tips[i]});
     tips.erase(tips.begin() + static_cast<std::ptrdiff_t>(i));
     i = 0;
   }
@@ -197,11 +197,11 @@ std::vector<PlanRow> rows_at_random(const KnownCell& known, Plan plan, std::vect
 }
 
 /// Returns the first number of an id train_NNN or pose_NNN that no pair has.
-std::size_t next_number(Plan plan, const std::vector<PairRow>& pairs) {
+std::size_t next_number(Purpose plan, const std::vector<PairRow>& pairs) {
   std::set<std::string> ids;
   for (const PairRow& pair : pairs) ids.insert(pair.id);
   std::size_t number = pairs.size();
-  while (ids.count(fmt::format("{}_{:03}", name_in(kPlans, plan), number)) != 0) ++number;
+  while (ids.count(fmt::format("{}_{:03}", name_in(kPurposes, plan), number)) != 0) ++number;
   return number;
 }
 
@@ -328,13 +328,13 @@ ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
     plan.rows = drawn_rows(cell, size);
     places = size.training_points;
   }
-  const auto add = [&](Plan kind, std::vector<TipPose> tips) {
+  const auto add = [&](Purpose kind, std::vector<TipPose> tips) {
     for (PlanRow& row : rows_at_random(known_cell, kind, std::move(tips), next_number(kind, pairs)))
       plan.rows.push_back(std::move(row));
   };
-  if (places > 0) add(Plan::kTrain, most_telling(known_cell, pairs, places, plan));
+  if (places > 0) add(Purpose::kTrain, most_telling(known_cell, pairs, places, plan));
   const std::size_t before = plan.rows.size();
-  add(Plan::kPose, unattended_poses(cell, request.unattended));
+  add(Purpose::kPose, unattended_poses(cell, request.unattended));
   if (request.readings == 0)
     require_poses(cell, plan.rows.size() - before, pairs.empty() ? kFewestPoses : 1);
   put_boards_last(plan.rows);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/purpose.h"
 #include "planar_servo/report/live/live_view.h"
 
 namespace planar {
@@ -26,9 +27,6 @@ struct BoardView {
 /// Draws a view: the picture with the dots seen (green, or orange while they move), those of the
 /// views taken (blue) and frames where a view should reach to, and the texts beside it.
 ViewPlot plot_of(BoardView view);
-
-/// The state of a place that is to be recorded.
-enum class PlaceMark { kToDo, kDone, kLeftOut };
 
 /// A recording on its way, seen from above: base frame, metres.
 struct RecordView {

@@ -11,7 +11,6 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/files/arm_file.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 
 namespace planar {
@@ -24,13 +23,13 @@ constexpr double kMostStep = 50.0 * kMillimetre;
 
 }  // namespace
 
-JogArm::JogArm(const CellSettings& cell, CellDevices& devices, const std::function<bool()>& stop,
+JogArm::JogArm(const CalibratedCell& cell, CellDevices& devices, const std::function<bool()>& stop,
                Announce announce)
-    : cell_(cell),
+    : cell_(cell.settings),
       camera_(devices.camera()),
       drives_(devices.drives()),
       announce_(std::move(announce)),
-      planner_(planner_so_far(cell)),
+      planner_(cell.planner),
       robot_(planner_.arm(), planner_.transmission(), devices.drives(), devices.clock()) {
   robot_.stop_when(stop);
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
@@ -22,9 +23,8 @@ using Announce = std::function<void(const std::string&)>;
 class JogArm {
  public:
   /// Opens the arm and moves nothing. `stop` is as in PlanarRobot::stop_when(). `announce` is told
-  /// of anything that takes long, and about how long. Throws InputError for a file of the arm that
-  /// was found with faults.
-  JogArm(const CellSettings& cell, CellDevices& devices, const std::function<bool()>& stop,
+  /// of anything that takes long, and about how long.
+  JogArm(const CalibratedCell& cell, CellDevices& devices, const std::function<bool()>& stop,
          Announce announce);
 
   /// Switches the drives on, also after a fault.

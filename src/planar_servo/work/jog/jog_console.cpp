@@ -16,7 +16,6 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/csv_table.h"
-#include "planar_servo/files/calibration_files.h"
 
 namespace planar {
 namespace {
@@ -167,17 +166,18 @@ const std::vector<JogConsole::Command>& JogConsole::commands() {
   return commands;
 }
 
-JogConsole::JogConsole(const CellSettings& cell, CellDevices& devices, const fs::path& teach,
+JogConsole::JogConsole(const CalibratedCell& cell, CellDevices& devices, const fs::path& teach,
                        const std::function<bool()>& stop, Announce announce)
-    : cell_(cell),
+    : cell_(cell.settings),
       devices_(devices),
       announce_(announce ? std::move(announce) : [](const std::string&) {}),
       arm_(cell, devices, stop, announce_),
-      lamps_({devices.camera().sensor_size_px(), cell.lamps.layout, vision_so_far(cell),
-              cell.reference_lamps},
-             cell.lamps.method, devices.camera(), cell.camera.follow_region_px) {
-  if (const auto& vision = lamps_.vision())
-    sensor_.emplace(*vision, cell.lamps.method, devices.camera(), cell.camera.follow_region_px);
+      lamps_({devices.camera().sensor_size_px(), cell_.lamps.layout, cell.vision,
+              cell_.reference_lamps},
+             cell_.lamps.method, devices.camera(), cell_.camera.follow_region_px) {
+  if (cell.vision)
+    sensor_.emplace(*cell.vision, cell_.lamps.method, devices.camera(),
+                    cell_.camera.follow_region_px);
   if (!teach.empty()) taught_.emplace(teach);
 }
 

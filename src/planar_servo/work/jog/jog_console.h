@@ -51,8 +51,8 @@ class JogConsole {
 
   /// Opens the console and moves nothing. With an empty path `teach` nothing can be taught. `stop`
   /// is as in PlanarRobot::stop_when(), `announce` as for JogArm(). Throws InputError for a table
-  /// that cannot be appended to and for files of the cell that cannot be read.
-  JogConsole(const CellSettings& cell, CellDevices& devices, const std::filesystem::path& teach,
+  /// that cannot be appended to.
+  JogConsole(const CalibratedCell& cell, CellDevices& devices, const std::filesystem::path& teach,
              const std::function<bool()>& stop = {}, Announce announce = {});
 
   Answer execute(const std::string& line);

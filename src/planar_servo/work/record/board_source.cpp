@@ -16,6 +16,8 @@
 namespace planar {
 namespace {
 
+using Next = BoardAdvice::Next;
+
 constexpr double kHeldStill_s = 0.7;
 constexpr double kLaidStill_s = 1.5;
 constexpr double kLargestBlur_px = 0.25;
@@ -28,9 +30,9 @@ constexpr double kFinestBound_px = 0.3;
 constexpr double kTakenAnyway_s = 8.0;
 constexpr std::size_t kFewestDots = 9;  // that hint at a board
 
-double rest_bound_px(Plan plan, const cv::Size& sensor_px, double exposure_s) {
+double rest_bound_px(Purpose plan, const cv::Size& sensor_px, double exposure_s) {
   const double side_px = std::max(sensor_px.width, sensor_px.height);
-  if (plan == Plan::kLaidBoard) return std::max(kFinestBound_px, kLaidBound * side_px);
+  if (plan == Purpose::kLaidBoard) return std::max(kFinestBound_px, kLaidBound * side_px);
   double bound_px = kHeldBound * side_px;
   if (exposure_s > 0.0) bound_px = std::min(bound_px, kLargestBlur_px * kHeldStill_s / exposure_s);
   return std::max(kFinestBound_px, bound_px);
@@ -53,11 +55,11 @@ constexpr double kClear_s = 5.0;    // without the board before the arm moves
 
 constexpr char kStartAgain[] = "start again to continue";
 
-const char* held_or_laid(Plan plan) {
-  return plan == Plan::kLaidBoard ? "lay" : "view";
+const char* held_or_laid(Purpose plan) {
+  return plan == Purpose::kLaidBoard ? "lay" : "view";
 }
 
-std::string more_views(Plan plan, std::size_t count) {
+std::string more_views(Purpose plan, std::size_t count) {
   return fmt::format("{} more {}{}", count, held_or_laid(plan), count == 1 ? "" : "s");
 }
 
@@ -72,11 +74,12 @@ std::string words_of(const Board& board) {
                      board.has_dots() ? "dots" : "corners");
 }
 
-BoardGuide::BoardGuide(Plan plan, const Board& board, const cv::Size& sensor_px, double exposure_s)
+BoardGuide::BoardGuide(Purpose plan, const Board& board, const cv::Size& sensor_px,
+                       double exposure_s)
     : plan_(plan),
       board_(board),
       sensor_px_(sensor_px),
-      still_s_(plan == Plan::kLaidBoard ? kLaidStill_s : kHeldStill_s),
+      still_s_(plan == Purpose::kLaidBoard ? kLaidStill_s : kHeldStill_s),
       rest_(rest_bound_px(plan, sensor_px, exposure_s)),
       choice_(plan) {}
 
@@ -93,7 +96,7 @@ void BoardGuide::pass_over(const std::vector<Eigen::Vector2d>& pixels) {
 BoardAdvice BoardGuide::look(double t_s, const BoardSight& sight, std::size_t left) {
   rest_.see(t_s, sight.pixels);
   const auto stance = board_stance(board_, sight.pixels, sensor_px_);
-  if (!stance) return {false, false, unseen(sight)};
+  if (!stance) return {Next::kChange, unseen(sight)};
   return judged(t_s, *stance, left);
 }
 
@@ -109,31 +112,30 @@ std::string BoardGuide::unseen(const BoardSight& sight) const {
 
 BoardAdvice BoardGuide::judged(double t_s, const BoardStance& stance, std::size_t left) {
   const std::string place = place_of(stance);
-  if (passed_over_ && alike(Plan::kHeldBoard, *passed_over_, stance))
-    return {false, false, fmt::format("seen {}, as in the view before; change it", place)};
+  if (passed_over_ && alike(Purpose::kHeldBoard, *passed_over_, stance))
+    return {Next::kChange, fmt::format("seen {}, as in the view before; change it", place)};
   if (rest_.still_for_s() < still_s_)
-    return {false, rest_.still_for_s() > 0.0,
+    return {rest_.still_for_s() > 0.0 ? Next::kHoldStill : Next::kChange,
             fmt::format("seen {}; {}", place,
-                        plan_ == Plan::kLaidBoard ? "let it lie" : "hold it still")};
+                        plan_ == Purpose::kLaidBoard ? "let it lie" : "hold it still")};
   switch (choice_.worth(stance, left)) {
     case ViewWorth::kLikeTaken:
-      return {false, false,
+      return {Next::kChange,
               fmt::format("seen {}, like {}; change it", place, choice_.like(stance))};
     case ViewWorth::kUnneeded:
       return unneeded(t_s, stance, place);
     case ViewWorth::kNew:
       break;
   }
-  return {true, true, fmt::format("seen {}; taken", place)};
+  return {Next::kTake, fmt::format("seen {}; taken", place)};
 }
 
 BoardAdvice BoardGuide::unneeded(double t_s, const BoardStance& stance, const std::string& place) {
   if (!offer_ || !alike(plan_, offer_->stance, stance)) offer_ = Offer{stance, t_s};
   const double wait_s = kTakenAnyway_s - (t_s - offer_->since_s);
-  if (wait_s <= 0.0) return {true, true, fmt::format("seen {}; taken", place)};
-  return {false, false,
-          fmt::format("seen {}, nothing is missing there; taken in {:.0f} s", place,
-                      std::ceil(wait_s))};
+  if (wait_s <= 0.0) return {Next::kTake, fmt::format("seen {}; taken", place)};
+  return {Next::kChange, fmt::format("seen {}, nothing is missing there; taken in {:.0f} s", place,
+                                     std::ceil(wait_s))};
 }
 
 GuidedBoard::GuidedBoard(const RecordRequest& request, const std::set<std::string>& present,
@@ -195,7 +197,7 @@ void GuidedBoard::begin(const PlanRow& row, Views& views) {
       "{} of the board of {}{}: {}. Each is taken by itself, or at once on Enter; what is "
       "there when you leave is kept, and the same command continues",
       more_views(row.plan, views.left), words_of(board_), done,
-      row.plan == Plan::kLaidBoard
+      row.plan == Purpose::kLaidBoard
           ? "lay it flat on the plane of motion, and let it lie until it is taken"
           : "hold it still before the camera until it is taken"));
   person_.say(fmt::format("{}: {}", row.id, views.guide.choice().request()));
@@ -228,7 +230,7 @@ bool GuidedBoard::is_taken(const PlanRow& row, const Frame& frame, Views& views)
   show(row, frame, glance, advice, views);
   note_sight(row.id, glance.found(), advice);
   const bool entered = person_.entered();
-  if (!advice.take && !entered) return false;
+  if (advice.next != Next::kTake && !entered) return false;
   const BoardSight sight = find_board(frame.image, board_);
   if (!sight.found()) {
     if (entered) person_.warn(fmt::format("{}: not taken: {}", row.id, sight.reason));
@@ -249,7 +251,7 @@ void GuidedBoard::show(const PlanRow& row, const Frame& frame, const BoardSight&
   BoardView view;
   view.title = fmt::format("{}   {}", row.id, more);
   view.state = advice.state;
-  view.good = advice.good;
+  view.good = advice.next != Next::kChange;
   view.wish = views.guide.choice().request();
   for (const BoardWish& wish : views.guide.choice().missing()) view.lacks.emplace_back(wish.lack);
   view.picture = frame.image;

@@ -19,8 +19,9 @@ namespace planar {
 
 /// Says what is to be done with what the camera sees of the board now.
 struct BoardAdvice {
-  bool take{false};   ///< the view is to be taken
-  bool good{false};   ///< the board only has to continue standing still
+  enum class Next { kChange, kHoldStill, kTake };
+
+  Next next{Next::kChange};
   std::string state;  ///< in words, for who holds it
 };
 
@@ -30,7 +31,7 @@ class BoardGuide {
  public:
   /// `exposure_s` is how long the camera exposes a picture; a held board may move by a quarter of a
   /// pixel meanwhile. A laid board must not move at all.
-  BoardGuide(Plan plan, const Board& board, const cv::Size& sensor_px, double exposure_s);
+  BoardGuide(Purpose plan, const Board& board, const cv::Size& sensor_px, double exposure_s);
 
   /// Notes a view that was taken, by the board's points.
   void take(const std::string& id, const std::vector<Eigen::Vector2d>& pixels);
@@ -58,7 +59,7 @@ class BoardGuide {
   BoardAdvice judged(double t_s, const BoardStance& stance, std::size_t left);
   BoardAdvice unneeded(double t_s, const BoardStance& stance, const std::string& place);
 
-  Plan plan_;
+  Purpose plan_;
   Board board_;
   cv::Size sensor_px_;
   double still_s_;
@@ -92,7 +93,7 @@ class PresentedBoard final : public BoardSource {
       : presenter_(presenter), grab_(std::move(grab)) {}
 
   Frame take(const PlanRow& row, int view) override {
-    if (row.plan == Plan::kHeldBoard)
+    if (row.plan == Purpose::kHeldBoard)
       presenter_.hold_board(view);
     else
       presenter_.lay_board(view);
@@ -149,7 +150,7 @@ class GuidedBoard final : public BoardSource {
   Clock& clock_;
   Operator& person_;
   LiveView* display_;
-  std::map<Plan, Views> views_;
+  std::map<Purpose, Views> views_;
   std::vector<Eigen::Vector2d> last_px_;  ///< the board in the view taken last
   double seen_s_{0.0};  ///< when the board was seen last, on the clock, or the wait began
   bool warned_{false};  ///< that it was not seen since then

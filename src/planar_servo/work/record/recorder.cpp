@@ -308,7 +308,7 @@ class Recorder {
   SteadyClock wall_clock_;  ///< also where the cell's own clock is a virtual one
   RecordProgress progress_;
   std::unique_ptr<BoardSource> board_source_;  ///< null where nobody shows the board
-  std::map<Plan, int> board_rows_;
+  std::map<Purpose, int> board_rows_;
   bool board_in_field_{false};
   MayHome may_home_;
   bool energized_{false};

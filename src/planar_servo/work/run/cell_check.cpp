@@ -11,9 +11,6 @@
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/files/arm_file.h"
-#include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/loop/health/arm_check.h"
 #include "planar_servo/loop/servo/motion_guard.h"
@@ -81,19 +78,18 @@ bool may_be_stray(const std::vector<HealthFinding>& found) {
 
 }  // namespace
 
-CellCheck::CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-                     LampTipSensor& sensor, Clock& clock, const JointPlanner& as_found,
-                     CameraWait wait)
-    : cell_(cell),
-      vision_(vision),
+CellCheck::CellCheck(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor& sensor,
+                     Clock& clock, CameraWait wait)
+    : cell_(cell.settings),
+      vision_(cell.vision.value()),
+      as_found_(cell.planner),
       robot_(robot),
       sensor_(sensor),
       clock_(clock),
-      as_found_(as_found),
       wait_(std::move(wait)),
-      planner_(joint_planner(cell)),
-      ways_(cell, [&sensor](const TipPose& tip) { return sensor.lamps_at(tip).has_value(); }),
-      model_(model_of_cell(planner_, cell.arm.home, vision)) {}
+      planner_(joint_planner(cell_)),
+      ways_(cell_, [&sensor](const TipPose& tip) { return sensor.lamps_at(tip).has_value(); }),
+      model_(model_of_cell(planner_, cell_.arm.home, vision_)) {}
 
 void CellCheck::wait_for_camera(const std::string& reason) const {
   if (!wait_ || !wait_(reason)) throw WorkError(reason);
@@ -348,17 +344,12 @@ std::vector<HealthFinding> CellCheck::play_here(const std::vector<Revisit>& revi
                    0.5 * cell_.servo.approach_margin_rad);
 }
 
-std::optional<HealthRecord> read_cell_health(const CellSettings& cell) {
-  if (!cell.health || !std::filesystem::exists(*cell.health)) return std::nullopt;
-  return read_health(*cell.health);
-}
-
 GuardLimits with_health(GuardLimits limits, const HealthRecord& record) {
-  constexpr double kAndHalfAgain = 1.5;
-  limits.distance_m = kAndHalfAgain * record.distance_m;
-  limits.turn = kAndHalfAgain * record.turn;
+  constexpr double kMargin = 1.5;  // over what the calibration saw
+  limits.distance_m = kMargin * record.distance_m;
+  limits.turn = kMargin * record.turn;
   limits.separation_m = record.separation_m;
-  limits.separation_tolerance_m = kAndHalfAgain * record.separation_spread_m;
+  limits.separation_tolerance_m = kMargin * record.separation_spread_m;
   return limits;
 }
 
@@ -393,35 +384,23 @@ std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& rec
   return check.revisit(record);
 }
 
-CheckedFiles read_checked_files(const CellSettings& cell) {
-  const bool with_map = std::filesystem::exists(cell.error_map);
-  CheckedFiles files{read_vision(cell, with_map), {}};
-  require_belonging(stale_files(cell, with_map));
-  auto health = read_cell_health(cell);
-  if (!health)
-    throw InputError({"names no health file that exists, so there is nothing to compare with",
-                      "make one with planar-pair-tracker --health-out and name it under `health`",
-                      cell.file});
-  files.health = std::move(*health);
-  return files;
-}
-
-std::vector<HealthFinding> check_devices(const CellSettings& cell, const CheckedFiles& files,
-                                         CellDevices& devices, const MayHome& may_home,
+std::vector<HealthFinding> check_devices(const CalibratedCell& cell, CellDevices& devices,
+                                         const MayHome& may_home,
                                          const std::function<bool()>& stop) {
-  PlanarRobot robot(PlanarArm(cell.arm.geometry), Transmission(cell.transmission), devices.drives(),
-                    devices.clock());
+  require_checkable(cell);
+  const CellSettings& settings = cell.settings;
+  PlanarRobot robot(PlanarArm(settings.arm.geometry), Transmission(settings.transmission),
+                    devices.drives(), devices.clock());
   robot.stop_when(stop);
   robot.energize();
   home_where_needed(robot, may_home);
-  LampTipSensor sensor(files.vision, cell.lamps.method, devices.camera(),
-                       cell.camera.follow_region_px);
-  CellCheck check(cell, files.vision, robot, sensor, devices.clock(), servo_planner(cell),
-                  [&](const std::string& reason) {
-                    return wait_for_camera(devices.camera(), robot, devices.clock(), "the check",
-                                           reason, devices.clock().now_s() + kCameraPatience_s);
-                  });
-  return check_cell(check, files.health);
+  LampTipSensor sensor(*cell.vision, settings.lamps.method, devices.camera(),
+                       settings.camera.follow_region_px);
+  CellCheck check(cell, robot, sensor, devices.clock(), [&](const std::string& reason) {
+    return wait_for_camera(devices.camera(), robot, devices.clock(), "the check", reason,
+                           devices.clock().now_s() + kCameraPatience_s);
+  });
+  return check_cell(check, cell.health);
 }
 
 std::string findings_text(const std::vector<HealthFinding>& findings) {

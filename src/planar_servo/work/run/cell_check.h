@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/hardware/robot/homing.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
@@ -27,12 +28,10 @@ class CellCheck {
   /// Receives why the camera failed; returns true once it is back.
   using CameraWait = std::function<bool(const std::string& reason)>;
 
-  /// Takes robot, sensor and clock, which must outlive it, and the planner for the arm as it was
-  /// found, if it was. The drives must be on. Both checks continue after
-  /// a `wait` for the camera; without one they throw WorkError. They throw what
-  /// PlanarRobot::move_to() throws.
-  CellCheck(const CellSettings& cell, const VisionCalibration& vision, PlanarRobot& robot,
-            LampTipSensor& sensor, Clock& clock, const JointPlanner& as_found,
+  /// Takes a cell with vision, robot, sensor and clock, which must outlive it. The drives must be
+  /// on. Both checks continue after a `wait` for the camera; without one they throw WorkError. They
+  /// throw what PlanarRobot::move_to() throws.
+  CellCheck(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor& sensor, Clock& clock,
             CameraWait wait = {});
 
   /// Moves each motor a little, near where the arm stands, and compares what is seen with what was
@@ -93,10 +92,10 @@ class CellCheck {
 
   const CellSettings& cell_;
   const VisionCalibration& vision_;
+  const JointPlanner& as_found_;  ///< for the arm that was found, if it was
   PlanarRobot& robot_;
   LampTipSensor& sensor_;
   Clock& clock_;
-  JointPlanner as_found_;
   CameraWait wait_;
   JointPlanner planner_;
   CheckWays ways_;
@@ -107,9 +106,6 @@ class CellCheck {
 /// The largest cost of a change at the end point with which the arm may still work, metres.
 constexpr double kTolerable_m = 20e-6;
 
-/// Returns the cell's health record, or nothing when there is none yet.
-std::optional<HealthRecord> read_cell_health(const CellSettings& cell);
-
 /// Sets the limits of place, direction and separation to 1.5 times what the calibration saw.
 GuardLimits with_health(GuardLimits limits, const HealthRecord& record);
 
@@ -119,19 +115,10 @@ std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<Heal
 /// Does the same without the first moves.
 std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record);
 
-/// What a check of a cell alone needs of its files.
-struct CheckedFiles {
-  VisionCalibration vision;
-  HealthRecord health;
-};
-
-/// Reads them. Throws InputError for files that are missing, faulty or do not belong together.
-CheckedFiles read_checked_files(const CellSettings& cell);
-
 /// Switches the drives on, homes them where that is needed and allowed, and runs check_cell().
-/// `stop` is as in PlanarRobot::stop_when(). Throws what the moves throw.
-std::vector<HealthFinding> check_devices(const CellSettings& cell, const CheckedFiles& files,
-                                         CellDevices& devices, const MayHome& may_home,
+/// `stop` is as in PlanarRobot::stop_when(). Throws what require_checkable() and the moves throw.
+std::vector<HealthFinding> check_devices(const CalibratedCell& cell, CellDevices& devices,
+                                         const MayHome& may_home,
                                          const std::function<bool()>& stop);
 
 /// Returns what was found, a sentence with its remedy for each.

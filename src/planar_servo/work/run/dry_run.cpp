@@ -10,10 +10,8 @@
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/files/arm_file.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/loop/servo/motion_guard.h"
-#include "planar_servo/work/run/cell_check.h"
 
 namespace planar {
 namespace {
@@ -98,22 +96,23 @@ VisitPlan CheckWays::visits(Joints theta, const std::vector<HealthPlace>& places
   return plan;
 }
 
-ForeseenCheck foresee_check(const CellSettings& cell,
-                            const std::optional<VisionCalibration>& vision) {
-  const CheckWays ways(cell, [&](const TipPose& tip) {
+ForeseenCheck foresee_check(const CalibratedCell& cell) {
+  const auto& vision = cell.vision;
+  const CheckWays ways(cell.settings, [&](const TipPose& tip) {
     return !vision ||
            lamps_from_tip(vision->workplane, vision->tool, vision->lamps.separation_m, tip);
   });
-  const auto start = ways.start(cell.arm.home);
+  const Joints& home = cell.settings.arm.home;
+  const auto start = ways.start(home);
   if (!start)
-    return {cell.arm.home,
+    return {home,
             Refusal{"no place for the first moves lies in the workspace and the camera's view",
                     kWayOn, kCheck},
             true};
   ForeseenCheck foreseen{*start};
   for (int motor = 0; motor < 3; ++motor)
     foreseen.end = ways.with_motor_turned(foreseen.end, motor);
-  const auto record = read_cell_health(cell);
+  const auto& record = cell.health;
   if (!record) return foreseen;
   const VisitPlan visits = ways.visits(foreseen.end, record->places);
   if (!visits.order.empty()) foreseen.end = record->places[visits.order.back()].theta;
@@ -136,11 +135,13 @@ TipPose target_pose(const TargetRow& target, double tool_orientation) {
   return {target.p_d, target.phi_d.value_or(tool_orientation)};
 }
 
-DryRun::DryRun(const CellSettings& cell, const Joints& start)
-    : tool_orientation_(cell.tool_orientation),
-      planner_(servo_planner(cell)),
-      servo_(cell.servo),
-      near_(start) {}
+DryRun::DryRun(const CalibratedCell& cell, const Joints& start)
+    : tool_orientation_(cell.settings.tool_orientation),
+      planner_(cell.planner),
+      servo_(cell.settings.servo),
+      near_(start) {
+  require_arm(cell);
+}
 
 DryRunRow DryRun::first_move(const TargetRow& target) {
   DryRunRow row{target.id, planner_.plan(target_pose(target, tool_orientation_), near_),
@@ -154,17 +155,18 @@ DryRunRow DryRun::first_move(const TargetRow& target) {
 }
 
 void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRow>& targets,
-                        double tool_orientation, const VisionCalibration& vision) {
+                        const CalibratedCell& cell) {
+  const VisionCalibration& vision = cell.vision.value();
   if (!vision.error_map) return;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const TipPose target = target_pose(targets[i], tool_orientation);
+    const TipPose target = target_pose(targets[i], cell.settings.tool_orientation);
     if (rows[i].plan.refusal || predict_error_at(vision, target).inside) continue;
     rows[i].plan.refusal =
         "the error map is not valid here: record training positions around this target";
   }
 }
 
-std::vector<DryRunRow> first_moves_to(const CellSettings& cell, const Joints& start,
+std::vector<DryRunRow> first_moves_to(const CalibratedCell& cell, const Joints& start,
                                       const std::vector<TargetRow>& targets) {
   DryRun dry(cell, start);
   std::vector<DryRunRow> rows;

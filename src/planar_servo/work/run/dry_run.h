@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/loop/health/health_record.h"
-#include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
 
@@ -58,9 +58,8 @@ struct ForeseenCheck {
   bool refused{false};             ///< nothing of it can
 };
 
-/// Plans the check of a cell whose arm stands at home. Without `vision` every place is in view.
-ForeseenCheck foresee_check(const CellSettings& cell,
-                            const std::optional<VisionCalibration>& vision);
+/// Plans the check of a cell whose arm stands at home. Without vision every place is in view.
+ForeseenCheck foresee_check(const CalibratedCell& cell);
 
 /// Says that places of a check are left out; `places` is how many there are.
 std::string barred_text(const std::vector<std::string>& barred, std::size_t places);
@@ -76,8 +75,8 @@ struct DryRunRow {
 /// Plans the first move to one target after the other. It needs no device.
 class DryRun {
  public:
-  /// Starts at these joints.
-  DryRun(const CellSettings& cell, const Joints& start);
+  /// Starts at these joints. Throws InputError for a cell whose arm is yet to be found.
+  DryRun(const CalibratedCell& cell, const Joints& start);
   /// Plans the move to a target from where the arm stands after the moves planned before.
   DryRunRow first_move(const TargetRow& target);
 
@@ -93,10 +92,10 @@ TipPose target_pose(const TargetRow& target, double tool_orientation);
 
 /// Refuses the targets of these rows at which the error map, if there is one, is not valid.
 void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRow>& targets,
-                        double tool_orientation, const VisionCalibration& vision);
+                        const CalibratedCell& cell);
 
 /// Plans the first move to every target in turn.
-std::vector<DryRunRow> first_moves_to(const CellSettings& cell, const Joints& start,
+std::vector<DryRunRow> first_moves_to(const CalibratedCell& cell, const Joints& start,
                                       const std::vector<TargetRow>& targets);
 
 std::size_t count_refused(const std::vector<DryRunRow>& rows);

@@ -14,7 +14,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/servo/path/path_follower.h"
-#include "planar_servo/work/run/resumed_run.h"
+#include "planar_servo/work/run/run_files.h"
 
 namespace planar {
 namespace {
@@ -106,13 +106,13 @@ std::vector<double> path_speeds(const std::vector<double>& speeds_mm_s) {
   return speeds_m_s;
 }
 
-std::vector<PathDemand> require_followable(const CellSettings& cell, const PathRequest& request) {
-  require_near(cell, request);
-  const JointPlanner planner = servo_planner(cell);
+std::vector<PathDemand> require_followable(const CalibratedCell& cell, const PathRequest& request) {
+  require_near(cell.settings, request);
+  require_arm(cell);
   std::vector<PathDemand> demands;
   for (const double speed_m_s : request.speeds_m_s) {
     const PathTiming timing(request.path, speed_m_s);
-    demands.push_back(path_demand(planner, request.path, timing, cell.arm.home));
+    demands.push_back(path_demand(cell.planner, request.path, timing, cell.settings.arm.home));
     if (demands.back().refusal)
       throw InputError({fmt::format("cannot be followed at {:g} mm/s: {}", mm(speed_m_s),
                                     *demands.back().refusal),
@@ -139,7 +139,7 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
       observer_(std::move(observer)),
       truth_(devices.truth()),
       keep_going_(request.keep_going),
-      cell_(request, able_to_follow(devices, request.cell)),
+      cell_(request, able_to_follow(devices, request.cell->settings)),
       follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
                 cell_.sensor(), devices.clock(),
                 {1.0 / cell_.settings().camera.frame_rate_hz, devices.camera().exposure().time_s}),

@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/servo/path/path_follower.h"
 #include "planar_servo/work/run/ready_cell.h"
-#include "planar_servo/work/run/run_folder.h"
+#include "planar_servo/work/run/run_files.h"
 
 namespace planar {
 
@@ -31,7 +32,7 @@ std::vector<double> path_speeds(const std::vector<double>& speeds_mm_s);
 
 /// Returns what the path demands of the arm at each speed, beginning at the cell's home position.
 /// Throws InputError, naming the place on the path, when the arm cannot follow it.
-std::vector<PathDemand> require_followable(const CellSettings& cell, const PathRequest& request);
+std::vector<PathDemand> require_followable(const CalibratedCell& cell, const PathRequest& request);
 
 /// Throws InputError naming the first place on the path at which the error map is not valid.
 void require_inside_map(const VisionCalibration& vision, const PathRequest& request);

@@ -9,10 +9,9 @@
 #include <variant>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/vision/found_landings.h"
@@ -55,38 +54,41 @@ constexpr double kDrivePatience_s = 60.0;
 constexpr double kExamineEvery_s = 600.0;
 /// A shorter run costs less than another look at it.
 constexpr double kWorthALook_s = 60.0;
-/// A guard's distance is half as long again as any that was seen at the calibration.
-constexpr double kDeviationsInDistance = 3.0;
 constexpr char kChecking[] = "looking at the cell";
 constexpr char kResume[] = "; add --resume to continue a run";
 
-GuardLimits limits_of(const ServoRequest& request, const VisionCalibration& vision,
-                      const std::optional<HealthRecord>& health) {
+GuardLimits limits_of(const ServoRequest& request) {
   if (!request.guards_looks) {
     GuardLimits widest;
     widest.noise_m = std::numeric_limits<double>::infinity();
     return widest;
   }
+  const CalibratedCell& cell = *request.cell;
   const GuardLimits limits =
-      guard_limits(vision, request.cell.workspace, request.cell.tool_orientation);
-  return health ? with_health(limits, *health) : limits;
+      guard_limits(*cell.vision, cell.settings.workspace, cell.settings.tool_orientation);
+  return cell.health ? with_health(limits, *cell.health) : limits;
 }
 
-std::unique_ptr<LandingModel> landings_of(const ServoRequest& request,
-                                          const VisionCalibration& vision,
-                                          const JointPlanner& planner, const GuardLimits& limits) {
+std::unique_ptr<LandingModel> landings_of(const ServoRequest& request, const GuardLimits& limits) {
   if (!request.estimates_landings) return nullptr;
-  const LampField* field = vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
+  const auto& map = request.cell->vision->error_map;
+  const JointPlanner& planner = request.cell->planner;
+  const LampField* field = map ? std::get_if<LampField>(&*map) : nullptr;
   const auto& arm = planner.found();
   if (field == nullptr || !arm || arm->factor.size() == 0 ||
       arm->factor.cols() != field->factor.cols())
     return std::make_unique<UnknownLandings>(limits.distance_m);
-  const double stray_m = limits.distance_m / kDeviationsInDistance;
+  const double stray_m = limits.distance_m / kDeviationsToGuard;
   if (!request.learns)
     return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(), stray_m);
-  return std::make_unique<LearningLandings>(*field, *arm,
-                                            remembered_arm(request.cell, planner, request.forgets),
-                                            planner.transmission(), stray_m);
+  return std::make_unique<LearningLandings>(
+      *field, *arm, remembered_arm(request.cell->settings, planner, request.forgets),
+      planner.transmission(), stray_m);
+}
+
+const CalibratedCell& complete(const CalibratedCell& cell) {
+  require_calibrated(cell);
+  return cell;
 }
 
 }  // namespace
@@ -139,20 +141,6 @@ void ArmMemory::keep() {
   kept_lessons_ = learner.lessons();
 }
 
-std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
-                                            bool accepted) {
-  return accept_stale(stale_files(cell, with_error_map), accepted);
-}
-
-std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
-                                      bool accepted) {
-  return accept_objection(
-      vision.map_objection,
-      "record more places and fit again, leave the map out (--no-error-map), or, if you know "
-      "better, continue with --accept-map",
-      cell.error_map, accepted);
-}
-
 ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
     : cell_(request.cell),
       camera_(devices.camera()),
@@ -161,21 +149,19 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       check_health_(request.check_health),
       checking_(request.checking),
       found_(request.found),
-      vision_(read_vision(cell_, request.use_error_map)),
-      health_(read_cell_health(cell_)),
-      limits_(limits_of(request, vision_, health_)),
-      sensor_(vision_, request.center, devices.camera(), cell_.camera.follow_region_px),
-      accepted_stale_(accept_stale_files(cell_, request.use_error_map, request.accept_stale)),
-      accepted_map_(accept_map(cell_, vision_, request.accept_map)),
-      planner_(servo_planner(cell_)),
-      robot_(PlanarArm(cell_.arm.geometry), Transmission(cell_.transmission), devices.drives(),
-             devices.clock()),
-      landings_(landings_of(request, vision_, planner_, limits_)),
-      servo_(cell_.servo, limits_, planner_, robot_, sensor_, devices.clock(), landings_.get()) {
+      accepted_stale_(accept_stale(complete(*cell_).stale, request.accept_stale)),
+      accepted_map_(accept_map(*cell_, request.accept_map)),
+      limits_(limits_of(request)),
+      sensor_(*cell_->vision, request.center, devices.camera(), settings().camera.follow_region_px),
+      robot_(PlanarArm(settings().arm.geometry), Transmission(settings().transmission),
+             devices.drives(), devices.clock()),
+      landings_(landings_of(request, limits_)),
+      servo_(settings().servo, limits_, planner(), robot_, sensor_, devices.clock(),
+             landings_.get()) {
   robot_.stop_when(request.stop);
   if (request.checked_s_ago) examined_s_ = clock_.now_s() - *request.checked_s_ago;
   const auto* learning = dynamic_cast<const LearningLandings*>(landings_.get());
-  if (learning != nullptr && cell_.arm_learned) memory_.emplace(cell_, *learning);
+  if (learning != nullptr && settings().arm_learned) memory_.emplace(settings(), *learning);
 }
 
 void ReadyCell::switch_on() {
@@ -211,32 +197,32 @@ std::string ReadyCell::examine() {
     spdlog::warn("the cell's health is not checked (--no-health)");
     return {};
   }
-  if (!health_)
-    spdlog::warn(cell_.file.string() +
+  const auto& health = cell_->health;
+  if (!health)
+    spdlog::warn(settings().file.string() +
                  ": names no health file that exists, so nobody can say what has moved since the "
                  "calibration; planar-pair-tracker --health-out makes one");
   int waits_left = kMaxCameraFailures;
-  CellCheck check(cell_, vision_, robot_, sensor_, clock_, planner_,
-                  [&](const std::string& reason) {
-                    return waits_left-- > 0 &&
-                           wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
-                  });
+  CellCheck check(*cell_, robot_, sensor_, clock_, [&](const std::string& reason) {
+    return waits_left-- > 0 &&
+           wait_for_camera(kChecking, reason, clock_.now_s() + kCameraPatience_s);
+  });
   std::vector<Eigen::Vector2d> places;
-  if (health_)
-    for (const HealthPlace& place : health_->places)
-      places.push_back(planner_.arm().forward(place.theta).p);
+  if (health)
+    for (const HealthPlace& place : health->places)
+      places.push_back(planner().arm().forward(place.theta).p);
   const auto tell = [this](const auto& what) {
     if (checking_) checking_(what);
   };
   tell(std::optional(places));
-  const std::shared_ptr<void> told(nullptr, [&](void*) { tell(std::nullopt); });
+  const AtEnd told([&] { tell(std::nullopt); });
   int recoveries_left = kMaxDriveRecoveries;
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
-    return first ? check_cell(check, health_) : check_again(check, *health_);
+    return first ? check_cell(check, health) : check_again(check, *health);
   });
   if (found_) found_(found);
   if (found.empty()) {
-    if (health_) spdlog::info("the cell is as it was at its calibration");
+    if (health) spdlog::info("the cell is as it was at its calibration");
     return {};
   }
   std::string text = findings_text(found);
@@ -252,7 +238,7 @@ void ReadyCell::keep_lessons_if_due() {
 }
 
 bool ReadyCell::was_examined_s_ago(double seconds) const {
-  return check_health_ && health_ && examined_s_ && clock_.now_s() > *examined_s_ + seconds;
+  return check_health_ && cell_->health && examined_s_ && clock_.now_s() > *examined_s_ + seconds;
 }
 
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {

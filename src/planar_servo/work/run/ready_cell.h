@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
@@ -52,14 +53,14 @@ class ArmMemory {
 
 /// Says how a cell closes its loop, and where the run's files go.
 struct ServoRequest {
-  CellSettings cell;
-  CenterMethod center{CenterMethod::kAuto};  ///< the way in which lamps' centres are measured
-  bool use_error_map{true};
-  std::filesystem::path out;  ///< steps.csv and results.csv grow here, a line at a time
-  bool resume{false};         ///< continues the run that the folder holds
-  bool accept_stale{false};   ///< moves even with files that do not belong together
-  bool accept_map{false};     ///< moves even by an error map whose fit speaks against it
-  bool check_health{true};    ///< checks before the first target whether the cell is as it was
+  std::shared_ptr<const CalibratedCell> cell;  ///< without its error map, nothing is compensated
+  CenterMethod center{CenterMethod::kAuto};    ///< the way in which lamps' centres are measured
+  /// steps.csv and results.csv grow here, a line at a time. Empty: nothing is written.
+  std::filesystem::path out;
+  bool resume{false};        ///< continues the run that the folder holds
+  bool accept_stale{false};  ///< moves even with files that do not belong together
+  bool accept_map{false};    ///< moves even by an error map whose fit speaks against it
+  bool check_health{true};   ///< checks before the first target whether the cell is as it was
   /// How long ago the cell was found well by a check that counts as the first one, seconds.
   std::optional<double> checked_s_ago{};
   bool keep_going{false};  ///< tries the next target even when the cell itself is in doubt
@@ -84,22 +85,12 @@ struct ServoRequest {
   std::function<void(const std::vector<HealthFinding>&)> found{};
 };
 
-/// Returns and logs the objections to calibration files that do not belong together. Throws
-/// InputError with them unless they are accepted.
-std::vector<std::string> accept_stale_files(const CellSettings& cell, bool with_error_map,
-                                            bool accepted);
-
-/// Returns and logs the objection of the error map's fit to moving by it. Throws InputError with it
-/// unless it is accepted.
-std::optional<std::string> accept_map(const CellSettings& cell, const VisionCalibration& vision,
-                                      bool accepted);
-
-/// A cell that is about to move by vision: its files are read and belong together, and it is
+/// A cell that is about to move by vision: its files are there and belong together, and it is
 /// checked before anything depends on it. It waits for lost devices.
 class ReadyCell {
  public:
-  /// Reads the files; nothing moves or is switched on. Throws InputError for files that are faulty
-  /// or do not belong together, unless the request accepts that.
+  /// Nothing moves or is switched on. Throws InputError for files that are missing or do not belong
+  /// together, unless the request accepts that.
   ReadyCell(const ServoRequest& request, CellDevices& devices);
 
   /// Switches the drives on and moves the camera's region to the lamps.
@@ -133,9 +124,9 @@ class ReadyCell {
   /// As the function of this name in servo/motion_guard.h does.
   bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
 
-  const CellSettings& settings() const { return cell_; }
+  const CellSettings& settings() const { return cell_->settings; }
   const GuardLimits& limits() const { return limits_; }
-  const JointPlanner& planner() const { return planner_; }
+  const JointPlanner& planner() const { return cell_->planner; }
   Clock& clock() { return clock_; }
   PlanarRobot& robot() { return robot_; }
   LampTipSensor& sensor() { return sensor_; }
@@ -152,7 +143,7 @@ class ReadyCell {
   /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
   void recover_drives(const std::string& id, const std::string& reason);
 
-  CellSettings cell_;
+  std::shared_ptr<const CalibratedCell> cell_;
   FrameSource& camera_;
   Clock& clock_;
   MayHome may_home_;
@@ -162,13 +153,10 @@ class ReadyCell {
   std::optional<double> examined_s_;  ///< when the cell was last checked
   std::optional<std::optional<Pulses>>
       begun_at_;  ///< where the arm stood after the first look, if known
-  VisionCalibration vision_;
-  std::optional<HealthRecord> health_;
-  GuardLimits limits_;
-  LampTipSensor sensor_;
   std::vector<std::string> accepted_stale_;
   std::optional<std::string> accepted_map_;
-  JointPlanner planner_;
+  GuardLimits limits_;
+  LampTipSensor sensor_;
   PlanarRobot robot_;
   std::unique_ptr<LandingModel> landings_;  ///< none where landings are not estimated
   std::optional<ArmMemory> memory_;         ///< none where nothing is learned or kept

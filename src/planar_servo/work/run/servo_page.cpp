@@ -20,15 +20,15 @@ void add_error_plots(HtmlPage& page, const ServoFigures& figures,
                      const std::vector<TargetResult>& results) {
   const bool judged = figures.is_judged();
   QuiverPanel alone =
-      error_panel("", results, judged ? &TargetResult::before_truth : &TargetResult::before_own);
+      error_panel("", results, judged ? &TargetResult::before_judged : &TargetResult::before_own);
   QuiverPanel seeing =
-      error_panel("", results, judged ? &TargetResult::after_truth : &TargetResult::after_own);
+      error_panel("", results, judged ? &TargetResult::after_judged : &TargetResult::after_own);
   if (alone.points.empty() || seeing.points.empty()) return;
   alone.title = "The arm alone";
   seeing.title = "With vision";
   page.add_heading(judged ? "Errors against the " + figures.judge()
                           : "Errors by vision's own estimate");
-  const double ratio = judged ? figures.after_truth->mean / figures.before_truth->mean
+  const double ratio = judged ? figures.after_judged->mean / figures.before_judged->mean
                               : figures.after_own->mean / figures.before_own->mean;
   const bool at_one_scale = ratio > kComparable && ratio * kComparable < 1.0;
   if (at_one_scale) {
@@ -63,7 +63,7 @@ TextTable target_table(const ServoFigures& figures, const std::vector<TargetResu
         std::to_string(r.iterations),
         error_words(r.after_own),
         r.uncertainty_m ? fmt::format("{:.4f}", mm(*r.uncertainty_m)) : "–"};
-    if (judged) row.push_back(error_words(r.after_truth));
+    if (judged) row.push_back(error_words(r.after_judged));
     row.push_back(r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason));
     table.add_row(std::move(row));
   }
@@ -89,10 +89,10 @@ Verdict servo_verdict(const ServoFigures& figures, const std::optional<std::stri
 
 }  // namespace
 
-std::string servo_page(const ServoRequest& request, const ServoFigures& figures,
+std::string servo_page(const std::filesystem::path& cell_file, const ServoFigures& figures,
                        const std::vector<TargetResult>& results,
                        const std::optional<std::string>& ended_by) {
-  HtmlPage page("Positioning with " + request.cell.file.filename().string());
+  HtmlPage page("Positioning with " + cell_file.filename().string());
   page.add_verdict(servo_verdict(figures, ended_by));
   page.add_style(".words :is(th,td):last-child{text-align:left}");
   add_error_plots(page, figures, results);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,7 +11,7 @@ namespace planar {
 
 /// Returns the text of report.html of one run, ended early by `ended_by` unless that is empty: the
 /// verdict and who judged, other figures, the errors as arrows, and a row for each target.
-std::string servo_page(const ServoRequest& request, const ServoFigures& figures,
+std::string servo_page(const std::filesystem::path& cell_file, const ServoFigures& figures,
                        const std::vector<TargetResult>& results,
                        const std::optional<std::string>& ended_by = {});
 

@@ -29,7 +29,7 @@ std::optional<Coverage> coverage_of(const std::vector<TargetResult>& results) {
   for (const TargetResult& result : results) {
     const auto& believed = result.believed ? result.believed : result.vision_compensated;
     if (!believed || !result.uncertainty_m) continue;
-    const double sigma = std::hypot(*result.uncertainty_m, result.sigma_truth_m.value_or(0.0));
+    const double sigma = std::hypot(*result.uncertainty_m, result.sigma_judged_m.value_or(0.0));
     coverage.within += static_cast<int>((believed->array().abs() < kSigmas * sigma).count());
     coverage.all += 2;
   }
@@ -44,8 +44,8 @@ bool made_worse(const std::vector<TargetResult>& results) {
   constexpr double kSigmas = 2.0;
   std::vector<double> changes;
   for (const TargetResult& result : results)
-    if (result.before_truth && result.after_truth)
-      changes.push_back(result.after_truth->norm() - result.before_truth->norm());
+    if (result.before_judged && result.after_judged)
+      changes.push_back(result.after_judged->norm() - result.before_judged->norm());
   if (changes.size() < kEnoughTargets) return false;
   const auto n = static_cast<double>(changes.size());
   const double change = mean(changes);
@@ -58,10 +58,10 @@ std::optional<TrackerFigures> tracker_figures(const std::vector<TargetResult>& r
   double squares = 0.0, variances = 0.0;
   for (const TargetResult& result : results) {
     if (!result.not_judged.empty()) figures.not_judged.emplace_back(result.id, result.not_judged);
-    if (!result.sigma_truth_m || !result.after_truth) continue;
+    if (!result.sigma_judged_m || !result.after_judged) continue;
     ++figures.judged;
-    squares += result.after_truth->squaredNorm();
-    variances += *result.sigma_truth_m * *result.sigma_truth_m;
+    squares += result.after_judged->squaredNorm();
+    variances += *result.sigma_judged_m * *result.sigma_judged_m;
   }
   if (figures.judged == 0 && figures.not_judged.empty()) return std::nullopt;
   const double n = static_cast<double>(std::max<std::size_t>(figures.judged, 1));
@@ -98,8 +98,8 @@ void list_judged(ReportList& list, const ServoFigures& figures, ListTold list_to
 }
 
 void list_judged_errors(ReportList& list, const ServoFigures& figures) {
-  list_errors(list, "against the " + figures.judge() + kErrorLine, figures.before_truth,
-              figures.after_truth);
+  list_errors(list, "against the " + figures.judge() + kErrorLine, figures.before_judged,
+              figures.after_judged);
 }
 
 void list_tracker_sigma(ReportList& list, const ServoFigures& figures) {
@@ -185,7 +185,7 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
                      const std::vector<std::filesystem::path>& inputs) {
   YamlWriter yaml("run", "planar-servo");
   yaml.add_inputs(input_records(inputs));
-  yaml.add("error_map_used", request.use_error_map);
+  yaml.add("error_map_used", uses_error_map(*request.cell));
   if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
   if (run.accepted_map()) yaml.add("accepted_map", *run.accepted_map());
   yaml.add("targets", static_cast<int>(figures.targets));
@@ -222,7 +222,7 @@ void log_failures(const ServoRun& run) {
 }  // namespace
 
 bool ServoFigures::is_judged() const {
-  return before_truth && after_truth;
+  return before_judged && after_judged;
 }
 
 std::string ServoFigures::judge() const {
@@ -255,8 +255,8 @@ ServoFigures figures_of(const std::vector<TargetResult>& results) {
   figures.seconds_per_target = mean(seconds);
   figures.before_own = summary_of(results, &TargetResult::before_own);
   figures.after_own = summary_of(results, &TargetResult::after_own);
-  figures.before_truth = summary_of(results, &TargetResult::before_truth);
-  figures.after_truth = summary_of(results, &TargetResult::after_truth);
+  figures.before_judged = summary_of(results, &TargetResult::before_judged);
+  figures.after_judged = summary_of(results, &TargetResult::after_judged);
   figures.coverage_95 = coverage_of(results);
   figures.made_worse = made_worse(results);
   figures.tracker = tracker_figures(results);
@@ -303,8 +303,8 @@ std::string landing_words(const ServoFigures& figures) {
                             : figures.tracker ? "Judged by the tracker"
                                               : "Judged by the truth of the virtual cell";
   ReportList list;
-  list_errors(list, judge + kErrorSentence, judged ? figures.before_truth : figures.before_own,
-              judged ? figures.after_truth : figures.after_own);
+  list_errors(list, judge + kErrorSentence, judged ? figures.before_judged : figures.before_own,
+              judged ? figures.after_judged : figures.after_own);
   const std::string words = line_of(list);
   return words.empty() ? "" : words + coverage_words(figures);
 }
@@ -324,11 +324,11 @@ std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::s
 
 std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
                                               const std::filesystem::path& wanted) {
-  const CellSettings& cell = request.cell;
+  const CellSettings& cell = request.cell->settings;
   std::vector<std::filesystem::path> inputs{cell.file, cell.camera_model, cell.workplane,
                                             cell.tool};
   if (!wanted.empty()) inputs.push_back(wanted);
-  if (request.use_error_map) inputs.push_back(cell.error_map);
+  if (uses_error_map(*request.cell)) inputs.push_back(cell.error_map);
   if (cell.arm_found) inputs.push_back(*cell.arm_found);
   return inputs;
 }
@@ -339,7 +339,7 @@ void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigu
   write_file(request.out / "run.yaml",
              run_text(request, run, figures, run_inputs(request, targets)));
   write_file(request.out / "report.html",
-             servo_page(request, figures, run.results(), run.ended_by()));
+             servo_page(request.cell->settings.file, figures, run.results(), run.ended_by()));
 }
 
 ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,

@@ -45,7 +45,7 @@ struct ServoFigures {
   std::size_t targets{0}, reached{0};
   double iterations_median{0.0};
   double seconds_per_target{0.0};
-  std::optional<Summary> before_own, after_own, before_truth, after_truth;  ///< metres
+  std::optional<Summary> before_own, after_own, before_judged, after_judged;  ///< metres
   /// Components of the believed place minus truth within 1.96 stated deviations, to which those of
   /// the tracker are added where it judges.
   std::optional<Coverage> coverage_95;

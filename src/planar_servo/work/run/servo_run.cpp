@@ -10,11 +10,10 @@
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/work/run/dry_run.h"
-#include "planar_servo/work/run/resumed_run.h"
 
 namespace planar {
 
-TargetScorer::TargetScorer(const TargetRow& target, GrowingFile& steps, Judge* judge,
+TargetScorer::TargetScorer(const TargetRow& target, GrowingFile* steps, Judge* judge,
                            const Clock& clock)
     : steps_(steps), judge_(judge), clock_(clock) {
   result_.id = target.id;
@@ -22,7 +21,7 @@ TargetScorer::TargetScorer(const TargetRow& target, GrowingFile& steps, Judge* j
 }
 
 void TargetScorer::observe(const ServoStep& step) {
-  steps_.append(step_line(result_.id, step));
+  if (steps_ != nullptr) steps_->append(step_line(result_.id, step));
   if (step.measurement.ok()) {
     result_.after_own = -step.error;
     result_.uncertainty_m = step.uncertainty_m();
@@ -34,7 +33,7 @@ void TargetScorer::observe(const ServoStep& step) {
   if (is_first) result_.before_own = result_.after_own;
   if (!judge_ || !(is_first || judges_every_look())) return;
   judged_ = judgement();
-  if (is_first && judged_->p) result_.before_truth = *judged_->p - result_.p_d;
+  if (is_first && judged_->p) result_.before_judged = *judged_->p - result_.p_d;
   if (judges_every_look()) take_judgement();
 }
 
@@ -66,8 +65,8 @@ void TargetScorer::take_judgement() {
   result_.not_judged = judged_->fault;
   if (!judged_->p) return;
   const Eigen::Vector2d& p = *judged_->p;
-  result_.after_truth = p - result_.p_d;
-  if (judge_->kind() == JudgeKind::kTracker) result_.sigma_truth_m = judged_->sigma;
+  result_.after_judged = p - result_.p_d;
+  if (judge_->kind() == JudgeKind::kTracker) result_.sigma_judged_m = judged_->sigma;
   const TipMeasurement& seen = look_->measurement;
   if (!seen.ok()) return;
   result_.vision_raw = seen.p_vision - p;
@@ -105,20 +104,15 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       judge_(devices.truth() ? devices.truth() : request.judge),
       keep_going_(request.keep_going),
       cell_(request, devices),
-      folder_(request.out, {"steps.csv", "results.csv"}),
-      lock_(folder_for(request)),
-      results_(results_so_far(request)),
+      files_(request.out.empty() ? std::nullopt : std::make_optional<RunFiles>(request)),
+      results_(files_ ? files_->begun : std::vector<TargetResult>()),
       results_before_(results_.size()),
-      well_until_(results_.size()),
-      table_file_(results_file(request)),
-      table_header_(results_header(run_remarks(request))),
-      steps_(request.out / "steps.csv", steps_header()),
-      table_(table_file_, table_header_) {
+      well_until_(results_before_) {
   cell_.switch_on();
 }
 
 ServoRun::~ServoRun() {
-  if (!results_.empty() || cell_.has_moved_on()) folder_.keep();
+  if (files_ && (!results_.empty() || cell_.has_moved_on())) files_->folder.keep();
 }
 
 ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
@@ -172,7 +166,7 @@ void ServoRun::doubt_what_was_reached() {
     results_[i].status = ServoStatus::kDoubted;
     results_[i].reason = "was reached before the cell was found not to be well";
   }
-  write_results(table_file_, table_header_, results_);
+  if (files_) write_results(files_->table_file, files_->table_header, results_);
 }
 
 void ServoRun::finish() {
@@ -182,12 +176,12 @@ void ServoRun::finish() {
 TargetResult ServoRun::move_to(const TargetRow& target) {
   if (!ended_by_) take_finding(cell_.examine_if_due());
   if (ended_by_) return refused(target, *ended_by_);
-  TargetScorer scorer(target, steps_, judge_.get(), cell_.clock());
+  TargetScorer scorer(target, files_ ? &files_->steps : nullptr, judge_.get(), cell_.clock());
   const double start_s = cell_.clock().now_s();
   const ServoResult outcome = attempts(target, scorer);
   results_.push_back(scorer.finish(outcome, cell_.clock().now_s() - start_s));
   results_.back().phi_d = target_pose(target, cell_.settings().tool_orientation).phi;
-  table_.append(result_line(results_.back()), Durability::kPowerLoss);
+  if (files_) files_->table.append(result_line(results_.back()), Durability::kPowerLoss);
   if (outcome.cell_in_doubt && !keep_going_) {
     ended_by_ = fmt::format("{}: {}: {}", target.id, name(outcome.status), outcome.reason);
     doubt_what_was_reached();

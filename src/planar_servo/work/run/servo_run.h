@@ -13,7 +13,7 @@
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/servo/position_servo.h"
 #include "planar_servo/work/run/ready_cell.h"
-#include "planar_servo/work/run/run_folder.h"
+#include "planar_servo/work/run/run_files.h"
 
 namespace planar {
 
@@ -23,9 +23,10 @@ class TargetScorer {
  public:
   /// Takes the judge of the end point, if any: the truth at every look, a tracker at the first look
   /// and once the servo has ended. All three must outlive the scorer.
-  TargetScorer(const TargetRow& target, GrowingFile& steps, Judge* judge, const Clock& clock);
+  TargetScorer(const TargetRow& target, GrowingFile* steps, Judge* judge, const Clock& clock);
 
-  /// Takes a step: logs it and updates the outcome. The arm rests meanwhile.
+  /// Takes a step: logs it, where there is a file for it, and updates the outcome. The arm rests
+  /// meanwhile.
   void observe(const ServoStep& step);
 
   /// Returns the outcome: how the last attempt ended, with the corrections and the seconds of all
@@ -37,7 +38,7 @@ class TargetScorer {
   JudgedTip judgement();
   void take_judgement();
 
-  GrowingFile& steps_;
+  GrowingFile* steps_;
   Judge* judge_;
   const Clock& clock_;
   double judging_s_{0.0};
@@ -56,7 +57,7 @@ struct ServoSight {
 };
 
 /// Closes a cell's loop over one target after the other: an open-loop move, then corrections by
-/// vision. It logs every step.
+/// vision. It logs every step, where its request names a folder.
 class ServoRun {
  public:
   /// Is called at every step. It must not take long.
@@ -118,15 +119,10 @@ class ServoRun {
   bool keep_going_;
   std::optional<std::string> ended_by_;
   ReadyCell cell_;
-  RunFolder folder_;
-  FolderLock lock_;
+  std::optional<RunFiles> files_;  ///< none where the request names no folder
   std::vector<TargetResult> results_;
   std::size_t results_before_;
   std::size_t well_until_;  ///< number of results when the cell was last found well
-  std::filesystem::path table_file_;
-  std::string table_header_;
-  GrowingFile steps_;
-  GrowingFile table_;
 };
 
 /// Moves to every target in turn, except those with a result in a resumed run, until the run is

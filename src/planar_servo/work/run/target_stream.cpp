@@ -73,7 +73,7 @@ Json result_answer(const TargetResult& result) {
 }
 
 FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
-                                   const CellSettings& cell, const Joints& start) {
+                                   const CalibratedCell& cell, const Joints& start) {
   DryRun dry(cell, start);
   FirstMoveStream planned;
   planned.end = answer_targets(in, out, lines, [&](const TargetRow& target) {

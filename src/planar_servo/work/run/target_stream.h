@@ -5,9 +5,9 @@
 #include <iosfwd>
 #include <nlohmann/json_fwd.hpp>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/hardware/cell/cell_settings.h"
 
 namespace planar {
 
@@ -39,6 +39,6 @@ struct FirstMoveStream {
 /// Answers every target on `in` with its first move, as first_move_answer() writes it, from
 /// these joints on. Nothing moves.
 FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
-                                   const CellSettings& cell, const Joints& start);
+                                   const CalibratedCell& cell, const Joints& start);
 
 }  // namespace planar

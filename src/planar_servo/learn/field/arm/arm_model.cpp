@@ -75,7 +75,6 @@ struct Told {
 
 std::optional<Told> told_by(const Eigen::MatrixXd& A, const Eigen::VectorXd& z,
                             const Eigen::VectorXd& prior) {
-  constexpr double kMedianOfOne = 0.6745;
   double noise = 1e-5;
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(z.size());
   Told told;
@@ -92,7 +91,7 @@ std::optional<Told> told_by(const Eigen::MatrixXd& A, const Eigen::VectorXd& z,
     told.log_evidence = -0.5 * left.dot(weights.cwiseProduct(z)) / (noise * noise) -
                         (L->diagonal().array() * prior.array()).log().sum() -
                         weights.sum() * std::log(noise);
-    noise = median({far.begin(), far.end()}) / kMedianOfOne;
+    noise = kNormalPerMad * median({far.begin(), far.end()});
     weights = (far.array() < 4.0 * noise).cast<double>();
   }
   return told;

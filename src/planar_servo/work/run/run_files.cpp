@@ -1,9 +1,11 @@
-#include "planar_servo/work/run/resumed_run.h"
+#include "planar_servo/work/run/run_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <system_error>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
@@ -46,7 +48,7 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
 
 /// Returns what decides how a target is reached, besides the calibration files.
 std::string settings_text(const ServoRequest& request) {
-  return fmt::format("{}, centre: {}", servo_text(request.cell.servo),
+  return fmt::format("{}, centre: {}", servo_text(request.cell->settings.servo),
                      name_in(kCenterMethods, request.center));
 }
 
@@ -84,16 +86,31 @@ std::vector<TargetResult> without_doubted(const ServoRequest& request,
 
 }  // namespace
 
+RunFolder::RunFolder(const fs::path& folder, const std::vector<const char*>& files)
+    : exceptions_(std::uncaught_exceptions()) {
+  for (const char* file : files)
+    if (!fs::exists(folder / file)) made_.push_back(folder / file);
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  for (fs::path at = whole; !fs::exists(at) && at.has_relative_path(); at = at.parent_path())
+    made_.push_back(at);
+}
+
+RunFolder::~RunFolder() {
+  if (std::uncaught_exceptions() <= exceptions_) return;
+  std::error_code error;
+  for (const fs::path& path : made_) fs::remove(path, error);
+}
+
 fs::path results_file(const ServoRequest& request) {
   return request.out / "results.csv";
 }
 
 std::vector<Origin> run_origins(const ServoRequest& request) {
   std::vector<Origin> origins;
-  for (const MadeFile& file : calibration_files(request.cell, request.use_error_map))
+  const CellSettings& cell = request.cell->settings;
+  for (const MadeFile& file : calibration_files(cell, uses_error_map(*request.cell)))
     origins.push_back(origin_of(file));
-  if (request.cell.arm_found)
-    origins.push_back(origin_of({Role::kArmFound, *request.cell.arm_found}));
+  if (cell.arm_found) origins.push_back(origin_of({Role::kArmFound, *cell.arm_found}));
   return origins;
 }
 
@@ -128,6 +145,15 @@ std::vector<TargetResult> results_so_far(const ServoRequest& request) {
   require_same_settings(results, settings_text(request));
   return without_doubted(request, read_results(results));
 }
+
+RunFiles::RunFiles(const ServoRequest& request)
+    : folder(request.out, {"steps.csv", "results.csv"}),
+      lock(folder_for(request)),
+      begun(results_so_far(request)),
+      table_file(results_file(request)),
+      table_header(results_header(run_remarks(request))),
+      steps(request.out / "steps.csv", steps_header()),
+      table(table_file, table_header) {}
 
 void require_same_goal(const std::string& id, const TipPose& goal,
                        const std::vector<TargetResult>& results) {

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/files/provenance.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/loop/health/health_record.h"
+#include "planar_servo/loop/vision/see_tool.h"
+
+namespace planar {
+
+/// A cell as its files tell it: what a person wrote of it, and what calibration has found so far.
+/// The planner follows from the settings: whoever changes these reads the files again.
+struct CalibratedCell {
+  CellSettings settings;
+  std::optional<VisionCalibration> vision;  ///< once camera, workplane and tool are known
+  JointPlanner planner;                     ///< of the arm that was found, as soon as it is
+  std::optional<HealthRecord> health;       ///< none where the cell names no file that exists
+  std::vector<StaleFile> missing;  ///< what motion by vision needs, with the program that makes it
+  std::vector<StaleFile> stale;    ///< what does not belong together
+};
+
+/// Reads a cell's files, each once. Throws InputError for those with faults, for a camera file of
+/// another image size than the cell's, and for a workplane that was made before the cell had its
+/// reference lamps.
+CalibratedCell read_calibrated_cell(const CellSettings& settings, bool with_error_map = true);
+
+/// Returns whether what vision sees in this cell is compensated.
+inline bool uses_error_map(const CalibratedCell& cell) {
+  return cell.vision && cell.vision->error_map;
+}
+
+/// Throws InputError naming every file that is missing.
+void require_calibrated(const CalibratedCell& cell);
+
+/// Throws the same where only the arm that the cell names was not found yet.
+void require_arm(const CalibratedCell& cell);
+
+/// Throws InputError unless a check alone can tell something: the files are there, belong together
+/// and one of them is a health file.
+void require_checkable(const CalibratedCell& cell);
+
+/// Returns and logs the objection of the error map's fit to moving by it. Throws InputError with it
+/// unless it is accepted.
+std::optional<std::string> accept_map(const CalibratedCell& cell, bool accepted);
+
+}  // namespace planar
