@@ -19,16 +19,16 @@ namespace {
 
 /// The reader takes up to 140 times a file's size in memory: 2 GB for this. The largest map that is
 /// written, a field of 200 places with its covariance, has 10 MB.
-constexpr double kMost_MB = 16.0;
+constexpr double kMostMegabytes = 16.0;
 
 std::string moderate_text(const std::filesystem::path& path) {
   std::error_code error;
   const double size_MB = static_cast<double>(std::filesystem::file_size(path, error)) / 1e6;
-  if (error || size_MB <= kMost_MB) return read_file(path);
+  if (error || size_MB <= kMostMegabytes) return read_file(path);
   throw InputError(
       {fmt::format(
            "has {:.1f} MB; {:g} MB are the most, because reading takes 140 times as much memory",
-           size_MB, kMost_MB),
+           size_MB, kMostMegabytes),
        "make a map of fewer places", path});
 }
 

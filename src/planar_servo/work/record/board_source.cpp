@@ -45,7 +45,8 @@ std::string place_of(const BoardStance& stance) {
       "at the upper left", "at the top",    "at the upper right",
       "at the left",       "in the middle", "at the right",
       "at the lower left", "at the bottom", "at the lower right"};
-  return kPlaces[static_cast<std::size_t>(3 * third(stance.middle.y()) + third(stance.middle.x()))];
+  const int place = 3 * third(stance.middle.y()) + third(stance.middle.x());
+  return kPlaces[static_cast<std::size_t>(place)];
 }
 
 constexpr double kSilence_s = 2.0;  // after which it is shown
