@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/run/dry_run.h"
 #include "support/sample_cells.h"
+#include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
@@ -24,6 +26,17 @@ TEST_CASE("The calibration narrows the guard, but not that of a chain that has n
   CHECK(std::isinf(unguarded.noise_m));
   CHECK(std::isinf(unguarded.correction_m));
   CHECK(unguarded.distance_m == widest.distance_m);
+}
+
+TEST_CASE(
+    "A broken health file leaves the arm to be moved by hand, and no run or plan of a check") {
+  const test::TemporaryFolder folder;
+  CellSettings cell = read_cell(test::workshop_cell_file());
+  cell.health = folder.write("health.yaml", "kind: [health\n");
+  const CalibratedCell read = read_calibrated_cell(cell);
+  CHECK(read.vision);
+  CHECK_THROWS_WITH(require_calibrated(read), Catch::Contains("health.yaml:2:1: is not YAML"));
+  CHECK_THROWS_WITH(foresee_check(read), Catch::Contains("health.yaml:2:1: is not YAML"));
 }
 
 TEST_CASE("A map whose fit speaks against it is refused until a person accepts it") {

@@ -83,11 +83,11 @@ std::vector<Refusal> KnownCell::doubts() const {
     for (const StaleFile& stale : now.stale)
       doubts.push_back(stale.refusal.at(stale.path.filename().string()));
     if (auto doubt = foresee_check(now).doubt) doubts.push_back(std::move(*doubt));
-    if (now.vision && now.vision->map_objection)
-      doubts.push_back(now.vision->map_objection->at(settings().error_map.filename().string()));
   } catch (const InputError& e) {
     doubts = e.refusals();
   }
+  if (cell_.vision && cell_.vision->map_objection)
+    doubts.push_back(cell_.vision->map_objection->at(settings().error_map.filename().string()));
   return doubts;
 }
 

@@ -36,17 +36,32 @@ std::optional<VisionCalibration> vision_so_far(const CellSettings& cell, bool wi
 }  // namespace
 
 CalibratedCell read_calibrated_cell(const CellSettings& settings, bool with_error_map) {
-  CalibratedCell cell{
-      settings,     vision_so_far(settings, with_error_map), joint_planner(settings),
-      std::nullopt, missing_files(settings, with_error_map), stale_files(settings, with_error_map)};
+  CalibratedCell cell{settings,
+                      vision_so_far(settings, with_error_map),
+                      joint_planner(settings),
+                      std::nullopt,
+                      missing_files(settings, with_error_map),
+                      {},
+                      {}};
   if (settings.arm_found && fs::exists(*settings.arm_found))
     cell.planner.plan_for(read_found_arm(*settings.arm_found));
-  if (settings.health && fs::exists(*settings.health)) cell.health = read_health(*settings.health);
+  try {
+    cell.stale = stale_files(settings, with_error_map);
+    if (settings.health && fs::exists(*settings.health))
+      cell.health = read_health(*settings.health);
+  } catch (const InputError& e) {
+    cell.faults = e.refusals();
+  }
   return cell;
+}
+
+void require_faultless(const CalibratedCell& cell) {
+  if (!cell.faults.empty()) throw InputError(cell.faults, 0);
 }
 
 void require_calibrated(const CalibratedCell& cell) {
   require_belonging(cell.missing);
+  require_faultless(cell);
 }
 
 void require_arm(const CalibratedCell& cell) {

@@ -22,11 +22,14 @@ struct CalibratedCell {
   std::optional<HealthRecord> health;       ///< none where the cell names no file that exists
   std::vector<StaleFile> missing;  ///< what motion by vision needs, with the program that makes it
   std::vector<StaleFile> stale;    ///< what does not belong together
+  /// Faults of the health file, and of what files say they were made from: a person may still move
+  /// the arm by hand.
+  std::vector<Refusal> faults;
 };
 
-/// Reads a cell's files, each once. Throws InputError for those with faults, for a camera file of
-/// another image size than the cell's, and for a workplane that was made before the cell had its
-/// reference lamps.
+/// Reads a cell's files, each once. Throws InputError for faults of vision and of the arm that was
+/// found, for a camera file of another image size than the cell's, and for a workplane that was
+/// made before the cell had its reference lamps.
 CalibratedCell read_calibrated_cell(const CellSettings& settings, bool with_error_map = true);
 
 /// Returns whether what vision sees in this cell is compensated.
@@ -34,7 +37,10 @@ inline bool uses_error_map(const CalibratedCell& cell) {
   return cell.vision && cell.vision->error_map;
 }
 
-/// Throws InputError naming every file that is missing.
+/// Throws InputError with the faults, if there are any.
+void require_faultless(const CalibratedCell& cell);
+
+/// Throws InputError naming every file that is missing, or else the faults.
 void require_calibrated(const CalibratedCell& cell);
 
 /// Throws the same where only the arm that the cell names was not found yet.

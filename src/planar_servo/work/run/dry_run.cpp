@@ -97,6 +97,7 @@ VisitPlan CheckWays::visits(Joints theta, const std::vector<HealthPlace>& places
 }
 
 ForeseenCheck foresee_check(const CalibratedCell& cell) {
+  require_faultless(cell);
   const auto& vision = cell.vision;
   const CheckWays ways(cell.settings, [&](const TipPose& tip) {
     return !vision ||

@@ -59,6 +59,7 @@ struct ForeseenCheck {
 };
 
 /// Plans the check of a cell whose arm stands at home. Without vision every place is in view.
+/// Throws InputError for faults of its health file.
 ForeseenCheck foresee_check(const CalibratedCell& cell);
 
 /// Says that places of a check are left out; `places` is how many there are.
