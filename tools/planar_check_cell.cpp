@@ -26,9 +26,7 @@ void add_options(CLI::App& app, Options& options) {
 
 Outcome check(const Options& options) {
   const CellSettings settings = read_cell(options.cell);
-  const CalibratedCell cell =
-      read_calibrated_cell(settings, std::filesystem::exists(settings.error_map));
-  require_checkable(cell);
+  const CalibratedCell cell = read_checkable_cell(settings);
   heed_interrupts();
   const auto devices = open_cell(settings);
   const std::vector<HealthFinding> found =

@@ -129,9 +129,7 @@ int CellJobs::check(StopsKnown known) {
   return begin(
       Doing::kChecking, "check", "", known,
       [this](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
-        const CellSettings& settings = cell_.settings();
-        const CalibratedCell cell = read_calibrated_cell(settings, fs::exists(settings.error_map));
-        require_checkable(cell);
+        const CalibratedCell cell = read_checkable_cell(cell_.settings());
         begun(0, 0);
         const std::vector<HealthFinding> found = check_devices(cell, devices, {}, stop);
         note_findings(found);

@@ -78,6 +78,12 @@ void require_checkable(const CalibratedCell& cell) {
                     cell.settings.file});
 }
 
+CalibratedCell read_checkable_cell(const CellSettings& settings) {
+  CalibratedCell cell = read_calibrated_cell(settings, fs::exists(settings.error_map));
+  require_checkable(cell);
+  return cell;
+}
+
 std::optional<std::string> accept_map(const CalibratedCell& cell, bool accepted) {
   return accept_objection(
       cell.vision.value().map_objection,

@@ -50,6 +50,10 @@ void require_arm(const CalibratedCell& cell);
 /// and one of them is a health file.
 void require_checkable(const CalibratedCell& cell);
 
+/// Reads a cell for a check alone, which does without an error map. Throws as require_checkable()
+/// does.
+CalibratedCell read_checkable_cell(const CellSettings& settings);
+
 /// Returns and logs the objection of the error map's fit to moving by it. Throws InputError with it
 /// unless it is accepted.
 std::optional<std::string> accept_map(const CalibratedCell& cell, bool accepted);
