@@ -1,4 +1,4 @@
-#include "planar_servo/console/http/rights.h"
+#include "planar_servo/console/http/cell_folder.h"
 
 #include <catch2/catch.hpp>
 

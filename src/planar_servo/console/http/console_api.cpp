@@ -13,6 +13,7 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/csv_table.h"
 #include "planar_servo/console/doctor/next_step.h"
+#include "planar_servo/console/http/cell_folder.h"
 #include "planar_servo/console/http/rights.h"
 #include "planar_servo/console/json_values.h"
 
