@@ -63,19 +63,18 @@ function(planar_precompile target name)
   target_precompile_headers(${target} REUSE_FROM ${name})
 endfunction()
 
-planar_precompiled(planar_plain_headers)
-planar_precompiled(planar_pixel_headers LINKS opencv_core HEADERS opencv2/core.hpp)
-# Programs and the rooms that write JSON are large and compute little: -O1 takes a third off.
+planar_precompiled(planar_room_headers LINKS opencv_core HEADERS opencv2/core.hpp)
+# Programs and the rooms above the loop are large and compute little: -O1 takes a fifth to a third off.
 planar_precompiled(planar_program_headers
   LINKS CLI11::CLI11 nlohmann_json::nlohmann_json opencv_core
   HEADERS CLI/App.hpp nlohmann/json.hpp opencv2/core.hpp LEVEL -O1)
 
-# planar_room(NAME LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
+# planar_room(NAME [COMPUTES] LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
 # One library per room, of every source in its folder; without sources it is headers only. The link
 # list is the dependency rule (see doc/architecture.md): it names every room that the room includes,
 # and only rooms above it in src/CMakeLists.txt. The test "house" holds the includes against it.
 function(planar_room name)
-  cmake_parse_arguments(ROOM "" "" "LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "COMPUTES" "" "LINKS;PRIVATE_LINKS" ${ARGN})
   foreach(link ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS})
     if(link MATCHES "^planar_" AND NOT TARGET ${link})
       message(FATAL_ERROR "the room ${name} links ${link}, which does not stand above it")
@@ -91,19 +90,11 @@ function(planar_room name)
     target_compile_features(planar_${name} PUBLIC cxx_std_17)
     target_link_libraries(planar_${name} PUBLIC $<BUILD_INTERFACE:planar_options> ${ROOM_LINKS}
                                          PRIVATE ${private_links})
-    set(headers planar_plain_headers)
-    foreach(link ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS})
-      get_property(pixels GLOBAL PROPERTY PLANAR_PIXELS_${link})
-      if(pixels OR link STREQUAL "opencv_core")
-        set(headers planar_pixel_headers)
-        set_property(GLOBAL PROPERTY PLANAR_PIXELS_planar_${name} TRUE)
-      endif()
-    endforeach()
-    if(nlohmann_json::nlohmann_json IN_LIST ROOM_LINKS OR
-       nlohmann_json::nlohmann_json IN_LIST ROOM_PRIVATE_LINKS)
-      set(headers planar_program_headers)
+    if(ROOM_COMPUTES)
+      planar_precompile(planar_${name} planar_room_headers)
+    else()
+      planar_precompile(planar_${name} planar_program_headers)
     endif()
-    planar_precompile(planar_${name} ${headers})
   else()
     add_library(planar_${name} INTERFACE)
     target_compile_features(planar_${name} INTERFACE cxx_std_17)

@@ -18,7 +18,7 @@ LampSight frame(const std::string& id, double t_s, double u_px) {
   sight.id = id;
   sight.t_s = t_s;
   sight.plan = Purpose::kTrain;
-  sight.uv_px = {Eigen::Vector2d(u_px, 100.0), Eigen::Vector2d(u_px + 80.0, 100.0)};
+  sight.lamps_px = {Eigen::Vector2d(u_px, 100.0), Eigen::Vector2d(u_px + 80.0, 100.0)};
   sight.covariances_px2.fill(0.04 * Eigen::Matrix2d::Identity());
   return sight;
 }
@@ -94,7 +94,7 @@ TEST_CASE("What cannot be paired is named with its reason") {
 TEST_CASE("A failed frame does not spoil the good ones of its place") {
   LampSight failed = frame("a", 1.1, 0.0);
   failed.fault = "saturated";
-  failed.uv_px[0].x() = std::numeric_limits<double>::quiet_NaN();
+  failed.lamps_px[0].x() = std::numeric_limits<double>::quiet_NaN();
   const Pairing pairing =
       pair_sights({frame("a", 1.0, 100.0), failed}, {reading("a", 1.0, 0.1)}, PairBy::kId);
   REQUIRE(pairing.sights.size() == 1);
@@ -146,9 +146,7 @@ TEST_CASE("Both end points are the true one when camera and tool are known") {
   std::mt19937 random(1);
   const Eigen::Vector2d p_ref(0.31, -0.22);
   const ToolSight sight = cell.sight("a", p_ref, 2.2, random);
-  const VisionTip seen =
-      tip_from_lamps(cell.workplane(), cell.tool_ref, sight.lamps_px, sight.covariances_px2)
-          .value();
+  const VisionTip seen = tip_from_lamps(cell.workplane(), cell.tool_ref, sight).value();
   CHECK((seen.tip.p - p_ref).norm() < 1e-9);
   CHECK((end_point_by_tracker(cell.tool_ref, sight, seen.tip.phi) - p_ref).norm() < 1e-9);
   CHECK(seen.tip.phi == Approx(2.2).epsilon(1e-9));
@@ -163,9 +161,7 @@ TEST_CASE("The stated deviation of the vision is the scatter of noisy lamps") {
   constexpr int kDraws = 400;
   for (int i = 0; i < kDraws; ++i) {
     const ToolSight sight = cell.sight("a", p_ref, 0.5, random);
-    const VisionTip seen =
-        tip_from_lamps(cell.workplane(), cell.tool_ref, sight.lamps_px, sight.covariances_px2)
-            .value();
+    const VisionTip seen = tip_from_lamps(cell.workplane(), cell.tool_ref, sight).value();
     square += (seen.tip.p - p_ref).squaredNorm() / (2.0 * kDraws);
     sigma = std::sqrt(0.5 * seen.covariance.trace());
   }

@@ -31,7 +31,7 @@ class ClockBench {
         LampSight frame;
         frame.id = sight.id;
         frame.t_s = arrival_s + 0.2 + 0.067 * k;
-        frame.uv_px = sight.lamps_px;
+        frame.lamps_px = sight.lamps_px;
         frames.push_back(frame);
       }
       const double mended_s = i < places - broken ? 0.0 : 8.0;

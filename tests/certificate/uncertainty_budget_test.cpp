@@ -41,7 +41,7 @@ const BudgetTerm& term(const UncertaintyBudget& budget, const std::string& name)
 TEST_CASE("Every term is what files and run say") {
   const SampleRun run;
   const UncertaintyBudget budget = run.budget();
-  CHECK(term(budget, "lamps").sigma == Approx(3e-6 / std::sqrt(3.0)));
+  CHECK(term(budget, "lamps").sigma == Approx(3e-6));
   CHECK(term(budget, "field").sigma ==
         Approx(predict_error_at(run.vision, {{0.3, 0.1}, 0.0}).sigma));
   CHECK(term(budget, "stop").sigma == Approx(4e-6));

@@ -20,7 +20,6 @@ PredictionInputs known_cell(double sigma_tip) {
   const Pinhole camera{{1000.0, 1000.0, 500.0, 500.0}};
   PredictionInputs known{{{0.04, {0.008, 0.008}}, {camera, Pose::Identity()}, {}, field}, {}, {}};
   known.servo.tolerance_m = 5e-6;
-  known.servo.frames_per_measurement = 4;
   return known;
 }
 
@@ -30,7 +29,7 @@ const double kMeanLength = std::sqrt(kPi / 2.0);
 TEST_CASE("Variances of field, vision and landing add up") {
   PredictionInputs known = known_cell(3e-6);
   known.landing_sigma = 1e-6;
-  known.sigma_vision = 4e-6;
+  known.sigma_vision = 2e-6;
   CHECK(predict_positioning(known, kTargets).mean ==
         Approx(kMeanLength * std::sqrt(9.0 + 1.0 + 4.0) * 1e-6));
 }

@@ -137,7 +137,7 @@ TEST_CASE("A gain below 1 makes that share of the correction that the estimate a
 
 TEST_CASE("A step says where the end point is believed to be and how certain that is") {
   EstimatingBench bench;
-  bench.sensor.sigma_vision_m = 6e-6;
+  bench.sensor.frame_noise_m = 6e-6;
   bench.settings.frames_per_measurement = 9;
   const ServoResult result = bench.servo().move_to(test::kTarget);
   REQUIRE(result.steps.back().estimate);

@@ -75,7 +75,7 @@ class LandingBench {
     for (int left = kMaxIterations;; --left) {
       ServoStep step;
       step.measurement.frames = 1;
-      step.measurement.sigma_vision_m = truth_.noise_m;
+      step.measurement.noise_m = truth_.noise_m;
       step.measurement.tip.p = landing + v + draw(truth_.noise_m);
       const LandingEstimate estimate = estimator_.take(step, c);
       if (estimate.is_contradicted) ++sum.contradicted;
@@ -107,7 +107,7 @@ Outcome positioned(const Landings& truth, double tolerance_m, int targets = 1000
 ServoStep look_at(const Eigen::Vector2d& p) {
   ServoStep step;
   step.measurement.frames = 1;
-  step.measurement.sigma_vision_m = 1e-6;
+  step.measurement.noise_m = 1e-6;
   step.measurement.tip.p = p;
   return step;
 }
@@ -258,7 +258,7 @@ TEST_CASE("Of an arm nobody has found, vision is believed as far as it says it k
   const UnknownLandings unknown(9e-3);
   ServoStep step = look_at({0.1, 0.2});
   step.measurement.frames = 4;
-  step.measurement.sigma_vision_m = 8e-6;
+  step.measurement.noise_m = 4e-6;
   step.measurement.uncertainty_m = 5e-6;
   const LandingPrior prior = unknown.at(step.theta_c, step.measurement);
   CHECK(std::sqrt(prior.covariance(0, 0)) == Approx(3e-3));

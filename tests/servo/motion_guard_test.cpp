@@ -13,7 +13,7 @@ GuardedLook sound_look() {
   look.measurement.tip = {{0.2003, 0.1}, 0.5 + 0.1 * kDegree};
   look.measurement.lamps_B = {Eigen::Vector2d(0.18, 0.1), Eigen::Vector2d(0.22, 0.1)};
   look.measurement.frames = 4;
-  look.measurement.sigma_vision_m = 2e-6;
+  look.measurement.noise_m = 1e-6;
   look.measurement.correction = {0.1e-3, 0.0};
   look.measurement.t_s = 12.2;
   look.arrived_s = 12.0;
@@ -39,7 +39,7 @@ struct Fault {
 const Fault kFaults[] = {
     {"0.100 s before the arm had come to rest", false, [](TipMeasurement& m) { m.t_s = 11.9; }},
     {"vision is uncertain by +- 0.060 mm; allowed is 0.050 mm", false,
-     [](TipMeasurement& m) { m.sigma_vision_m = 60e-6; }},
+     [](TipMeasurement& m) { m.noise_m = 30e-6; }},
     {"the lamps are seen 40.200 mm apart, but were 40.000 +- 0.100 mm apart", true,
      [](TipMeasurement& m) { m.lamps_B[1].x() += 0.2e-3; }},
     {"50.30 mm from where it was commanded, (200.000, 100.000) mm; this cell allows 1.00 mm", true,

@@ -93,7 +93,7 @@ TEST_CASE("The servo stops at the largest of tolerance, vision noise and one pul
   CHECK(tolerance.move_to(kTarget).iterations == 0);
 
   Bench noise;
-  noise.sensor.sigma_vision_m = 40e-6;
+  noise.sensor.frame_noise_m = 40e-6;
   noise.settings.frames_per_measurement = 4;
   CHECK(noise.move_to(kTarget).steps.back().stop_below_m == Approx(40e-6));
 

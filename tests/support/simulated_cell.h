@@ -92,7 +92,7 @@ class SimulatedSensor final : public TipSensor {
 
   std::optional<int> lamp_lost_from;  ///< number of the first measurement that sees no lamp
   std::optional<Eigen::Vector2d> mirrored_about;  ///< shows every error with the wrong sign
-  double sigma_vision_m{1e-7};
+  double frame_noise_m{1e-7};
   Eigen::Vector2d offset_m{0.0, 0.0};
   bool inside_map{true};
   int measurements{0};
@@ -113,7 +113,7 @@ class SimulatedSensor final : public TipSensor {
     measurement.tip = cell_.true_tip();
     measurement.tip.p += offset_m;
     if (mirrored_about) measurement.tip.p = 2.0 * *mirrored_about - measurement.tip.p;
-    measurement.sigma_vision_m = sigma_vision_m;
+    measurement.noise_m = frame_noise_m / std::sqrt(frames);
     measurement.inside_map = inside_map;
     return measurement;
   }

@@ -26,11 +26,24 @@ ErrorMap constant_map(const Eigen::Vector2d& error) {
   return map;
 }
 
+struct SeenTool {
+  LampPair lamps;
+  std::optional<ToolPlace> place;
+};
+
+SeenTool look_at(const VisionCalibration& vision, const Frame& frame,
+                 const PairExpectation& expectation = {}) {
+  LampTracker tracker(CenterMethod::kAuto);
+  SeenTool seen{find_lamps(vision, tracker, frame, expectation), std::nullopt};
+  if (const auto observation = observation_of(seen.lamps, frame.t_s))
+    seen.place = see_tool(vision, *observation);
+  return seen;
+}
+
 TEST_CASE("The tool is seen where it is and as it points") {
   const TipPose tip{{0.03, -0.02}, GENERATE(0.0, 90.0, -150.0) * kDegree};
   const VisionCalibration vision = test::vision_with(std::nullopt);
-  LampTracker tracker(CenterMethod::kAuto);
-  const SeenTool seen = see_tool(vision, tracker, frame_of(tip), expect_tool(vision, tip).value());
+  const SeenTool seen = look_at(vision, frame_of(tip), expect_tool(vision, tip).value());
   REQUIRE(seen.lamps.status == LampStatus::kOk);
   REQUIRE(seen.place.has_value());
   CHECK((seen.place->tip().p - tip.p).norm() < kVision_m);
@@ -41,10 +54,9 @@ TEST_CASE("The tool is seen where it is and as it points") {
 TEST_CASE("What the error map predicts is taken off, and its region is judged where vision sees") {
   const Eigen::Vector2d error(0.5e-3, -0.3e-3);
   const VisionCalibration vision = test::vision_with(constant_map(error));
-  LampTracker tracker(CenterMethod::kAuto);
   const TipPose within{{0.0, 0.0}, 0.0}, beyond{{0.0, 0.15}, 0.0};
   const auto place_at = [&](const TipPose& tip) {
-    return see_tool(vision, tracker, frame_of(tip), expect_tool(vision, tip).value()).place.value();
+    return look_at(vision, frame_of(tip), expect_tool(vision, tip).value()).place.value();
   };
   CHECK((place_at(within).tip().p - (within.p - error)).norm() < kVision_m);
   CHECK(place_at(within).error.inside);
@@ -67,9 +79,8 @@ TEST_CASE("A field at the lamps takes the error off each, and turns the tool bac
   const double slope = 4e-3;
   const TipPose seen{{0.02, 0.05}, 90.0 * kDegree};
   const VisionCalibration vision = test::vision_with(shear(slope));
-  LampTracker tracker(CenterMethod::kAuto);
   const ToolPlace place =
-      see_tool(vision, tracker, frame_of(seen), expect_tool(vision, seen).value()).place.value();
+      look_at(vision, frame_of(seen), expect_tool(vision, seen).value()).place.value();
   CHECK((place.tip().p - Eigen::Vector2d(0.02 - slope * 0.05, 0.05)).norm() < kVision_m);
   CHECK(wrap_angle(place.tip().phi - seen.phi) == Approx(std::atan(slope)).margin(kDirection));
   CHECK(place.error.inside);
@@ -81,17 +92,14 @@ TEST_CASE("A field at the lamps takes the error off each, and turns the tool bac
 TEST_CASE("Lamps at another distance than they were built to are no pair") {
   const TipPose tip{{0.0, 0.0}, 0.0};
   const VisionCalibration vision = test::vision_with(std::nullopt);
-  LampTracker tracker(CenterMethod::kAuto);
-  const SeenTool seen = see_tool(vision, tracker, frame_of(tip, 1.05 * test::kSeparation_m), {});
+  const SeenTool seen = look_at(vision, frame_of(tip, 1.05 * test::kSeparation_m));
   CHECK(seen.lamps.status == LampStatus::kWrongDistance);
-  CHECK_FALSE(seen.place.has_value());
 }
 
 TEST_CASE("Equal lamps without a prediction have a place, but it is unknown which is which") {
   const TipPose tip{{0.02, 0.01}, 0.3};
   const VisionCalibration vision = test::vision_with(std::nullopt);
-  LampTracker tracker(CenterMethod::kAuto);
-  const SeenTool seen = see_tool(vision, tracker, frame_of(tip), {});
+  const SeenTool seen = look_at(vision, frame_of(tip));
   CHECK(seen.lamps.status == LampStatus::kAmbiguous);
   REQUIRE(seen.place.has_value());
   CHECK((seen.place->tip().p - tip.p).norm() < kVision_m);
@@ -99,10 +107,9 @@ TEST_CASE("Equal lamps without a prediction have a place, but it is unknown whic
 
 TEST_CASE("A frame without lamps has no tool") {
   const VisionCalibration vision = test::vision_with(std::nullopt);
-  LampTracker tracker(CenterMethod::kAuto);
   std::mt19937 random(1);
   const Frame dark{test::expose(test::background(test::kSensor), random), {{}, test::kSensor}, 1.0};
-  const SeenTool seen = see_tool(vision, tracker, dark, {});
+  const SeenTool seen = look_at(vision, dark);
   CHECK(seen.lamps.status == LampStatus::kNoLamp);
   CHECK_FALSE(seen.place.has_value());
 }

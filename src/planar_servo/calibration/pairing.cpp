@@ -35,7 +35,7 @@ void require_finite(const std::vector<LampSight>& frames,
   Faults faults;
   for (const LampSight& frame : frames) {
     if (!std::isfinite(frame.t_s) || !frame.theta.allFinite() ||
-        (frame.fault.empty() && !(frame.uv_px[0].allFinite() && frame.uv_px[1].allFinite())))
+        (frame.fault.empty() && !(frame.lamps_px[0].allFinite() && frame.lamps_px[1].allFinite())))
       faults.add({"a frame of '" + frame.id + "' has a value that is not finite", "", "pairing"});
   }
   for (const ToolReading& reading : readings) {
@@ -92,7 +92,7 @@ std::string fault_of_frames(const Place& place) {
   if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->fault;
   for (std::size_t k = 0; k < 2; ++k) {
     const double far =
-        farthest_from_mean(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
+        farthest_from_mean(place.frames, [k](const LampSight& f) { return f.lamps_px[k]; });
     if (far > kMotionPx) {
       return fmt::format("not at rest: its frames disagree by {:.2f} px on lamp {}", far, k + 1);
     }
@@ -119,18 +119,10 @@ std::string fault_of(const Place& place) {
 
 PoseSight mean_frame(const Place& place) {
   const LampSight& first = *place.frames.front();
-  const auto n = static_cast<double>(place.frames.size());
-  PoseSight sight;
-  sight.id = first.id;
-  sight.plan = first.plan;
-  sight.theta = first.theta;
-  sight.t_s = first.t_s;
-  for (std::size_t k = 0; k < 2; ++k) {
-    sight.lamps_px[k] = mean_of(place.frames, [k](const LampSight& f) { return f.uv_px[k]; });
-    sight.covariances_px2[k] =
-        mean_of(place.frames, [k](const LampSight& f) { return f.covariances_px2[k]; }) / n;
-  }
-  return sight;
+  std::vector<Observation> seen;
+  seen.reserve(place.frames.size());
+  for (const LampSight* frame : place.frames) seen.push_back(*frame);
+  return {mean_of(seen), first.id, first.plan, first.theta};
 }
 
 ToolSight average(const Place& place) {

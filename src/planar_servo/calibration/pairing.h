@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <string>
 #include <vector>
 
@@ -10,14 +9,11 @@
 
 namespace planar {
 
-/// The tool at rest at one place, as the camera saw it: the means of its frames there.
-struct PoseSight {
+/// The tool at a place of a recording, as the camera saw it in one frame or at one rest.
+struct PoseSight : Observation {
   std::string id;
   Purpose plan{Purpose::kTrain};
-  double t_s{0.0};                       ///< of its first frame
   Eigen::Vector3d theta{0.0, 0.0, 0.0};  ///< commanded joint angles, radians
-  std::array<Eigen::Vector2d, 2> lamps_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
 };
 
 /// The tool at a place that the tracker watched as well, with the mean of its readings there.
@@ -37,15 +33,9 @@ struct Rejection {
   std::string reason;
 };
 
-/// The lamps in one frame and the commanded joint angles.
-struct LampSight {
-  std::string id;
-  double t_s{0.0};
+/// The lamps in one frame.
+struct LampSight : PoseSight {
   std::string fault;  ///< why the lamps were not found; empty when they were
-  std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
-  Purpose plan{Purpose::kTrain};
-  Eigen::Vector3d theta{0.0, 0.0, 0.0};  ///< commanded joint angles, radians
 };
 
 /// One reading of the reflector on the tool, in the base frame.

@@ -79,7 +79,7 @@ std::vector<FlatSight> flat_sights(const Workplane& plane, const std::vector<Sen
                                    std::vector<Rejection>& rejected) {
   std::vector<FlatSight> flat;
   for (const SentSight& sent : sights) {
-    const auto seen = tip_from_lamps(plane, {}, sent.sight.lamps_px, sent.sight.covariances_px2);
+    const auto seen = tip_from_lamps(plane, {}, sent.sight);
     if (seen)
       flat.push_back({&sent, seen->tip.p, seen->tip.phi});
     else

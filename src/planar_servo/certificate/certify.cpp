@@ -226,7 +226,7 @@ class CertificateDriver {
     made.landing_own = result.before_own;
     made.error_own = result.after_own;
     if (!last_ || !last_->measurement.ok()) return made;
-    made.sigma_vision = last_->measurement.sigma_vision_m;
+    made.sigma_vision = last_->measurement.noise_m;
     made.stop_below = last_->stop_below_m;
     const JudgedTip tip = judge.judge(move.id, last_->standing());
     if (!tip.p) return made;

@@ -49,10 +49,9 @@ std::map<std::string, std::vector<double>> predictions_by_frame(const Calibrated
   std::map<std::string, std::vector<double>> lengths;
   for (const LampRow& row : read_lamps(chain.folder / "lamps.csv")) {
     if (row.status != LampStatus::kOk || row.uv_px.size() != 2) continue;
-    const auto place = place_tool(vision, {row.uv_px[0], row.uv_px[1]},
-                                  {row.covariance_px2[0], row.covariance_px2[1]});
+    const auto place = see_tool(vision, observation_of(row));
     if (!place) continue;
-    const TipPose& seen = place->seen;
+    const TipPose& seen = place->seen.tip;
     lengths[row.id].push_back(predict_error(chain.map->map, seen.p, seen.phi).norm());
   }
   return lengths;

@@ -72,39 +72,36 @@ LampRow empty_row(const LampImage& image, LampStatus status) {
   return row;
 }
 
-void add_lamp(LampRow& row, const LampCenter& lamp) {
-  row.uv_px.push_back(lamp.uv_px);
-  row.covariance_px2.push_back(lamp.covariance_px2);
-  row.looks.push_back(lamp.look);
-}
-
-/// Sees the tool in a frame. Without a calibrated vision only its lamps are located.
-SeenTool look(const std::optional<LampScene>& scene, LampTracker& tracker, const Frame& frame,
-              const PairExpectation& expectation, const ImageMotion& motion) {
-  if (scene && scene->vision) return see_tool(*scene->vision, tracker, frame, expectation, motion);
-  return {at_calibration(tracker.locate(frame, expectation), motion), std::nullopt};
+LampPair find_lamps(const std::optional<LampScene>& scene, LampTracker& tracker, const Frame& frame,
+                    const PairExpectation& expectation) {
+  if (scene && scene->vision) return find_lamps(*scene->vision, tracker, frame, expectation);
+  return tracker.locate(frame, expectation);
 }
 
 /// Adds the position on the plane. The tool's direction is known only when the lamps are told
 /// apart; otherwise the position is known only if the end point lies midway between them.
 void add_position(LampRow& row, const ToolPlace& place, bool told_apart, bool midway) {
   if (!told_apart && !midway) return;
-  row.p_vision = place.seen.p;
-  row.sigma = place.covariance.diagonal().cwiseSqrt();
+  row.p_vision = place.seen.tip.p;
+  row.sigma = place.seen.covariance.diagonal().cwiseSqrt();
   if (!told_apart) return;
-  row.phi = place.seen.phi;
-  row.sigma_phi = place.sigma_phi;
+  row.phi = place.seen.tip.phi;
+  row.sigma_phi = place.seen.sigma_phi;
 }
 
-LampRow pair_row(const LampImage& image, const SeenTool& seen,
+LampRow pair_row(const LampImage& image, const LampPair& pair, const ImageMotion& motion,
                  const std::optional<LampScene>& scene) {
-  LampRow row = empty_row(image, seen.lamps.status);
-  for (const LampCenter& lamp : seen.lamps.lamps)
-    if (lamp.status != LampStatus::kOk) return row;
-  for (const LampCenter& lamp : seen.lamps.lamps) add_lamp(row, lamp);
-  if (seen.place)
-    add_position(row, *seen.place, seen.lamps.status == LampStatus::kOk,
-                 scene->vision->tool.p_TP.isZero());
+  LampRow row = empty_row(image, pair.status);
+  const auto now = observation_of(pair, image.t_s.value_or(0.0));
+  if (!now) return row;
+  const Observation seen = at_calibration(*now, motion);
+  row.uv_px.assign(seen.lamps_px.begin(), seen.lamps_px.end());
+  row.covariance_px2.assign(seen.covariances_px2.begin(), seen.covariances_px2.end());
+  if (!seen.common_px2.isZero(0.0)) row.common_px2 = seen.common_px2;
+  row.looks = {pair.lamps[0].look, pair.lamps[1].look};
+  if (!scene || !scene->vision || pair.status == LampStatus::kWrongDistance) return row;
+  if (const auto place = see_tool(*scene->vision, seen))
+    add_position(row, *place, pair.status == LampStatus::kOk, scene->vision->tool.p_TP.isZero());
   return row;
 }
 
@@ -122,7 +119,10 @@ std::optional<double> distance_ratio(LampTracker& tracker, const Frame& frame,
 
 LampRow disc_row(const LampImage& image, const LampCenter& disc) {
   LampRow row = empty_row(image, disc.status);
-  if (disc.status == LampStatus::kOk) add_lamp(row, disc);
+  if (disc.status != LampStatus::kOk) return row;
+  row.uv_px = {disc.uv_px};
+  row.covariance_px2 = {disc.covariance_px2};
+  row.looks = {disc.look};
   return row;
 }
 
@@ -341,9 +341,8 @@ LocateReport locate_lamps(const LocateRequest& request) {
           const PairExpectation expectation =
               prediction ? prediction->of(image.commanded) : PairExpectation{};
           tracker.forget();
-          LampRow row = pair_row(
-              image, look(scene, tracker, frame, expectation, track.at(image.t_s.value_or(0.0))),
-              scene);
+          LampRow row = pair_row(image, find_lamps(scene, tracker, frame, expectation),
+                                 track.at(image.t_s.value_or(0.0)), scene);
           if (row.status == LampStatus::kWrongDistance)
             collector.add_wrong_distance(i, distance_ratio(tracker, frame, expectation));
           return row;

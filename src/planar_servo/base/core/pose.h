@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <string>
 
 namespace planar {
@@ -21,6 +22,11 @@ double nearest_branch(double angle, double reference);
 
 /// Returns the rotation of the plane by `angle` radians, from x to y.
 Eigen::Matrix2d rotation2d(double angle);
+
+/// Returns the standard deviation per axis, sqrt(trace / 2), of a covariance in the plane.
+inline double per_axis(const Eigen::Matrix2d& covariance) {
+  return std::sqrt(0.5 * covariance.trace());
+}
 
 /// Returns the z component of a x b in the plane. It is positive when the turn from a to b goes
 /// from x to y.

@@ -74,7 +74,7 @@ std::vector<Look> looks_of(const std::vector<LampSight>& frames) {
   for (const LampSight& frame : frames) {
     if (!frame.fault.empty()) continue;
     Look& look =
-        by_id.try_emplace(frame.id, Look{{frame.t_s, frame.t_s}, frame.uv_px}).first->second;
+        by_id.try_emplace(frame.id, Look{{frame.t_s, frame.t_s}, frame.lamps_px}).first->second;
     look.span.begin_s = std::min(look.span.begin_s, frame.t_s);
     look.span.end_s = std::max(look.span.end_s, frame.t_s);
   }

@@ -46,6 +46,10 @@ std::array<LampFields, 2> lamp_fields(const LampRow& row) {
   return lamps;
 }
 
+Eigen::Matrix2d covariance_of(double var_u, double cov_uv, double var_v) {
+  return (Eigen::Matrix2d() << var_u, cov_uv, cov_uv, var_v).finished();
+}
+
 /// Takes those of one lamp or two that have centres into the row.
 void take_lamps(const std::array<LampFields, 2>& lamps, LampRow& row) {
   row.uv_px.clear();
@@ -54,10 +58,8 @@ void take_lamps(const std::array<LampFields, 2>& lamps, LampRow& row) {
   for (const LampFields& lamp : lamps) {
     if (!lamp.uv) return;
     row.uv_px.push_back(*lamp.uv);
-    const double cov_uv = lamp.cov_uv.value_or(0.0);
-    row.covariance_px2.push_back(
-        (Eigen::Matrix2d() << lamp.var_u.value_or(0.0), cov_uv, cov_uv, lamp.var_v.value_or(0.0))
-            .finished());
+    row.covariance_px2.push_back(covariance_of(lamp.var_u.value_or(0.0), lamp.cov_uv.value_or(0.0),
+                                               lamp.var_v.value_or(0.0)));
     if (lamp.level && lamp.background && lamp.blur && lamp.axis_ratio)
       row.looks.push_back({*lamp.level, *lamp.background, *lamp.blur, *lamp.axis_ratio});
   }
@@ -76,6 +78,15 @@ void list_lamps(Columns& columns, LampRow& row) {
   variance("var_u2_px2", second.var_u);
   variance("cov_uv2_px2", second.cov_uv);
   variance("var_v2_px2", second.var_v);
+  OptionalNumber var_u, cov_uv, var_v;
+  if (row.common_px2) {
+    var_u = (*row.common_px2)(0, 0);
+    cov_uv = (*row.common_px2)(0, 1);
+    var_v = (*row.common_px2)(1, 1);
+  }
+  variance("var_u_common_px2", var_u);
+  variance("cov_uv_common_px2", cov_uv);
+  variance("var_v_common_px2", var_v);
   const auto look = [&](const std::string& number, LampFields& lamp) {
     const auto value = [&](const std::string& column, OptionalNumber& field) {
       columns.optional_number(column.c_str(), field, 1.0, Digits::significant(4),
@@ -88,7 +99,10 @@ void list_lamps(Columns& columns, LampRow& row) {
   };
   look("1", first);
   look("2", second);
-  if (columns.reading()) take_lamps({first, second}, row);
+  if (!columns.reading()) return;
+  take_lamps({first, second}, row);
+  row.common_px2.reset();
+  if (var_u && var_v) row.common_px2 = covariance_of(*var_u, cov_uv.value_or(0.0), *var_v);
 }
 
 const TableSchema<LampRow>& lamp_schema() {
@@ -201,6 +215,14 @@ void read_grid(const std::filesystem::path& path, const std::function<void(const
 }
 
 }  // namespace
+
+Observation observation_of(const LampRow& row) {
+  return {row.t_s.value_or(0.0),
+          1,
+          {row.uv_px.at(0), row.uv_px.at(1)},
+          {row.covariance_px2.at(0), row.covariance_px2.at(1)},
+          row.common_px2.value_or(Eigen::Matrix2d::Zero())};
+}
 
 std::vector<LampRow> read_lamps(const std::filesystem::path& path) {
   return TableFile<LampRow>(path, lamp_schema()).rows();

@@ -11,6 +11,7 @@
 #include "planar_servo/base/core/purpose.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
+#include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/loop/vision/reference_lamps.h"
 
@@ -25,13 +26,17 @@ struct LampRow {
   LampStatus status{LampStatus::kNoLamp};
   /// One lamp when a single disc is followed, two for a pair; none when nothing was found.
   std::vector<Eigen::Vector2d> uv_px;
-  std::vector<Eigen::Matrix2d> covariance_px2;  ///< of the same size as uv_px
+  std::vector<Eigen::Matrix2d> covariance_px2;  ///< by the frame's noise; of the same size as uv_px
+  std::optional<Eigen::Matrix2d> common_px2;    ///< of the shift of the image that all lamps share
   std::vector<LampLook> looks;                  ///< of the same size as uv_px, or empty
   std::optional<Eigen::Vector2d> p_vision;      ///< end point, metres
   std::optional<double> phi;                    ///< radians
   std::optional<Eigen::Vector2d> sigma;         ///< standard deviation of p_vision, metres
   std::optional<double> sigma_phi;              ///< of phi, radians; not in the table
 };
+
+/// Returns both lamps of a row that has two.
+Observation observation_of(const LampRow& row);
 
 std::vector<LampRow> read_lamps(const std::filesystem::path& path);
 /// `remarks` are comment lines; see csv_remarks().

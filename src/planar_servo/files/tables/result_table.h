@@ -48,7 +48,7 @@ struct JudgedMove {
   double judge_sigma{0.0};           ///< standard uncertainty of the judge per axis
   /// By the cell's own view: attained minus commanded, after the first move and at the end.
   std::optional<Eigen::Vector2d> landing_own, error_own;
-  std::optional<double> sigma_vision;  ///< of one frame at the last look, per axis
+  std::optional<double> sigma_vision;  ///< of the last look by its frames' noise, per axis
   std::optional<double> stop_below;    ///< the servo was content below this error
 
   /// Returns whether the move counts: it reached its target and was judged.

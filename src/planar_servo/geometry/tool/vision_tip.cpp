@@ -201,29 +201,44 @@ std::array<TipSlope, 2> tip_slopes(const std::array<Eigen::Vector2d, 2>& lamps_B
   return slopes;
 }
 
-std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOffsets& tool,
-                                        const std::array<Eigen::Vector2d, 2>& lamps_px,
-                                        const std::array<Eigen::Matrix2d, 2>& covariances_px2) {
-  std::array<Eigen::Vector2d, 2> lamps_W;
-  std::array<Eigen::Matrix2d, 2> covariances_W;
-  for (std::size_t k = 0; k < 2; ++k) {
-    Eigen::Matrix2d J;
-    const auto p_W = workplane.plane_from_pixel(lamps_px[k], &J);
-    if (!p_W) return std::nullopt;
-    lamps_W[k] = *p_W;
-    covariances_W[k] = J * covariances_px2[k] * J.transpose();
+Observation mean_of(const std::vector<Observation>& frames) {
+  Observation mean;
+  mean.t_s = frames.front().t_s;
+  mean.frames = static_cast<int>(frames.size());
+  const auto n = static_cast<double>(frames.size());
+  for (const Observation& frame : frames) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      mean.lamps_px[k] += frame.lamps_px[k] / n;
+      mean.covariances_px2[k] += frame.covariances_px2[k] / (n * n);
+    }
+    mean.common_px2 += frame.common_px2 / n;
   }
-  VisionTip seen;
-  seen.tip = tip_from_places(lamps_W, tool);
-  const auto slopes = tip_slopes(lamps_W, tool);
+  return mean;
+}
+
+std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOffsets& tool,
+                                        const Observation& seen) {
+  VisionTip found;
+  std::array<Eigen::Matrix2d, 2> m_per_px;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto p_W = workplane.plane_from_pixel(seen.lamps_px[k], &m_per_px[k]);
+    if (!p_W) return std::nullopt;
+    found.lamps_B[k] = *p_W;
+  }
+  found.tip = tip_from_places(found.lamps_B, tool);
+  const auto slopes = tip_slopes(found.lamps_B, tool);
+  Eigen::Matrix2d by_shift = Eigen::Matrix2d::Zero();
   double variance_phi = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {
-    seen.covariance += slopes[k].p * covariances_W[k] * slopes[k].p.transpose();
-    variance_phi += slopes[k].phi * covariances_W[k] * slopes[k].phi.transpose();
+    const Eigen::Matrix2d J = slopes[k].p * m_per_px[k];
+    const Eigen::RowVector2d J_phi = slopes[k].phi * m_per_px[k];
+    found.noise += J * seen.covariances_px2[k] * J.transpose();
+    variance_phi += J_phi * seen.covariances_px2[k] * J_phi.transpose();
+    by_shift += J;
   }
-  seen.sigma_phi = std::sqrt(variance_phi);
-  seen.lamps_B = lamps_W;
-  return seen;
+  found.covariance = found.noise + by_shift * seen.common_px2 * by_shift.transpose();
+  found.sigma_phi = std::sqrt(variance_phi);
+  return found;
 }
 
 std::optional<std::array<Eigen::Vector2d, 2>> lamps_from_tip(const Workplane& workplane,

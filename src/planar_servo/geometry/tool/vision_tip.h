@@ -23,12 +23,30 @@ struct ToolOffsets {
   Eigen::Matrix<double, 5, 5> covariance{Eigen::Matrix<double, 5, 5>::Zero()};
 };
 
+/// What frames of the tool at rest show of its two lamps: the mean centres, pixels of the whole
+/// sensor. Recordings, fits, health and servo all see the tool as one of these.
+struct Observation {
+  double t_s{0.0};  ///< of the first frame
+  int frames{1};
+  std::array<Eigen::Vector2d, 2> lamps_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  /// Of each lamp's mean, by the frames' noise.
+  std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
+  /// Of a shift that lamps and frames share and no further frame reduces: the image's motion.
+  Eigen::Matrix2d common_px2{Eigen::Matrix2d::Zero()};
+};
+
+/// Averages the frames of one rest, of which there must be one.
+Observation mean_of(const std::vector<Observation>& frames);
+
 /// The end point as vision sees it, before any error map.
 struct VisionTip {
-  TipPose tip;                                          ///< base frame
-  std::array<Eigen::Vector2d, 2> lamps_B;               ///< where the lamps are on the plane
-  Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of tip.p, from the lamps' pixels, m^2
-  double sigma_phi{0.0};  ///< of tip.phi, from the lamps' pixels, radians
+  TipPose tip;                             ///< base frame
+  std::array<Eigen::Vector2d, 2> lamps_B;  ///< where the lamps are on the plane
+  Eigen::Matrix2d noise{
+      Eigen::Matrix2d::Zero()};  ///< covariance of tip.p by the frames' noise, m^2
+  /// Covariance of tip.p, of noise and what the frames share, m^2.
+  Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
+  double sigma_phi{0.0};  ///< of tip.phi, by the frames' noise, radians
 };
 
 /// Returns the end point, and the direction from lamp 1 to lamp 2, of a tool whose lamps are at
@@ -52,12 +70,10 @@ std::array<Eigen::Vector2d, 2> lamp_eccentricities_px(
     const Workplane& workplane, const std::array<Eigen::Vector2d, 2>& lamps_px,
     const std::array<double, 2>& diameters);
 
-/// Computes P = middle of the lamps + R(phi) p_TP, with phi the direction from lamp 1 to lamp 2.
-/// `lamps_px` are the lamps' centres without eccentricity. Empty when a lamp's ray does not meet
-/// the plane.
+/// Computes P = middle of the lamps + R(phi) p_TP, with phi the direction from lamp 1 to lamp 2,
+/// from lamps seen without eccentricity. Empty when a lamp's ray does not meet the plane.
 std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOffsets& tool,
-                                        const std::array<Eigen::Vector2d, 2>& lamps_px,
-                                        const std::array<Eigen::Matrix2d, 2>& covariances_px2);
+                                        const Observation& seen);
 
 /// Returns the pixels of lamps 1 and 2 for an end point at `tip`; empty outside the view.
 std::optional<std::array<Eigen::Vector2d, 2>> lamps_from_tip(const Workplane& workplane,

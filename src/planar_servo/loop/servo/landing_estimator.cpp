@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
@@ -110,7 +111,7 @@ double LandingFilter::revealed_m(const LandingLook& next) const {
   const Eigen::Matrix2d cross = landing_with_sight(covariance, next);
   const Eigen::Matrix2d revealed =
       cross * sight_covariance(covariance, next).inverse() * cross.transpose();
-  return std::sqrt(0.5 * revealed.trace());
+  return per_axis(revealed);
 }
 
 Spread LandingFilter::spread(const LandingLook& next) const {
@@ -191,7 +192,7 @@ void LandingEstimator::allow_for_stray(const LandingLook& look) {
 LandingEstimate LandingEstimator::take(const ServoStep& step, const Eigen::Vector2d& p_c) {
   if (looks_ == 0) start(step);
   const bool is_short = looks_ > 0 && (p_c - p_c_).norm() < kShortMove_m;
-  const LandingLook look{p_c, step.measurement.tip.p, step.measurement.noise_m(), 0.0};
+  const LandingLook look{p_c, step.measurement.tip.p, step.measurement.noise_m, 0.0};
   if (looks_ == 0) allow_for_stray(look);
   const bool is_unexpected = is_beyond_play(look) && chance_of(look, is_short) < kNoChance;
   weigh(look, is_short);

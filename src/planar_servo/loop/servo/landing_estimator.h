@@ -71,7 +71,7 @@ class UnknownLandings final : public LandingModel {
   LandingPrior at(const Joints& /*theta_c*/, const TipMeasurement& look) const override {
     const double landing_m = distance_m_ / kDeviationsToGuard;
     const double lasting_variance =
-        look.uncertainty_m * look.uncertainty_m - look.noise_m() * look.noise_m();
+        look.uncertainty_m * look.uncertainty_m - look.noise_m * look.noise_m;
     LandingPrior prior;
     prior.covariance.diagonal() << Eigen::Vector2d::Constant(landing_m * landing_m),
         Eigen::Vector2d::Constant(std::max(0.0, lasting_variance));

@@ -29,7 +29,7 @@ std::optional<Doubt> old(const GuardedLook& look) {
 }
 
 std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
-  const double noise_m = 2.0 * m.noise_m();
+  const double noise_m = 2.0 * m.noise_m;
   if (noise_m <= limits.noise_m) return std::nullopt;
   return Doubt{{fmt::format("vision is uncertain by +- {:.3f} mm", mm(noise_m)),
                 fmt::format("allowed is {:.3f} mm: are the lamps dim or partly covered, or is the "

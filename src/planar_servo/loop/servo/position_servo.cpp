@@ -201,7 +201,7 @@ ServoStep PositionServo::measure(const TipPose& target, int iteration) {
   step.error = target.p - measurement.tip.p;
   step.turn_error = wrap_angle(target.phi - measurement.tip.phi);
   step.stop_below_m = std::max(settings_.tolerance_m, pulse_size_m());
-  if (!estimator_) step.stop_below_m = std::max(step.stop_below_m, 2.0 * measurement.noise_m());
+  if (!estimator_) step.stop_below_m = std::max(step.stop_below_m, 2.0 * measurement.noise_m);
   return step;
 }
 

@@ -60,7 +60,7 @@ LawStep inverse_law(const PlanarArm& arm, const LawInput& input, double gain);
 /// and the direction is right within the orientation tolerance. It gives up early when no
 /// correction is expected to end nearer. Without a model every look is accepted as it is, its whole
 /// error is corrected, and the servo is content when
-///   |p_d - p| < max(tolerance, 2 sigma_vision / sqrt(frames), one pulse).
+///   |p_d - p| < max(tolerance, 2 noise, one pulse).
 class PositionServo {
  public:
   /// Is called with every step as soon as it is measured, while the arm rests.

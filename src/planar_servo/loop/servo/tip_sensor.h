@@ -1,9 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <string>
 
@@ -34,15 +32,14 @@ struct TipMeasurement {
   Eigen::Vector2d p_vision{0.0, 0.0};    ///< position before compensation
   Eigen::Vector2d correction{0.0, 0.0};  ///< predicted error: tip.p = p_vision - correction
   TipPose tip;                           ///< compensated pose
-  double sigma_vision_m{0.0};            ///< standard deviation per axis of ONE frame's position
+  /// The standard deviation per axis that the frames' noise leaves in the position.
+  double noise_m{0.0};
   /// The standard uncertainty per axis of tip.p, of vision and map together.
   double uncertainty_m{0.0};
   bool inside_map{true};  ///< also true when no map is used
 
   /// Returns true when the position is valid.
   bool ok() const { return status == TipStatus::kOk; }
-  /// Returns the standard deviation per axis that the frames' noise leaves in the position.
-  double noise_m() const { return sigma_vision_m / std::sqrt(std::max(frames, 1)); }
 };
 
 /// Returns a look that gave no position.

@@ -138,7 +138,7 @@ Eigen::Matrix2Xd FoundLandings::vision_rows(const TipMeasurement& look) const {
 
 ArmLook FoundLandings::arm_look(const SeenLanding& seen) const {
   return {motors(seen.theta_c), seen.look.tip.p, vision_rows(seen.look),
-          std::hypot(seen.scatter_m, seen.look.noise_m(), found_.wander_m)};
+          std::hypot(seen.scatter_m, seen.look.noise_m, found_.wander_m)};
 }
 
 LandingPrior FoundLandings::prior_of(const Eigen::Matrix4d& covariance, double scatter_m) const {

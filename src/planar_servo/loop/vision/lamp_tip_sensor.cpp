@@ -79,22 +79,18 @@ TipMeasurement LampTipSensor::look_at_tool(const TipPose& expected, int frames) 
   const auto expectation = expect_tool(vision_, expected);
   if (!expectation) return failed_look(TipStatus::kOutsideView, kOutsideView, 0.0);
   aim_at(*expectation->predicted_px);
-  TipMeasurement mean;
-  std::array<Eigen::Matrix2d, 2> covariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
+  std::vector<Observation> observations;
+  double t_s = 0.0;
   for (int i = 0; i < frames; ++i) {
     const Look seen = look(i == 0 ? camera_.next_frame() : camera_.following_frame(), *expectation);
     if (seen.frame != FrameStatus::kOk)
       return failed_look(TipStatus::kNoPicture, name(seen.frame), seen.t_s);
     if (!seen.found()) return failed_look(TipStatus::kNoLamps, name(seen.pair.status), seen.t_s);
-    mean.t_s = seen.t_s;
-    for (std::size_t k = 0; k < 2; ++k) {
-      mean.lamps_px[k] += seen.pair.lamps[k].uv_px / frames;
-      covariances[k] += seen.pair.lamps[k].covariance_px2 / frames;
-    }
+    t_s = seen.t_s;
+    observations.push_back(observation_of(seen.pair, t_s).value());
   }
-  mean.frames = frames;
-  if (auto failed = watch_camera(mean.t_s)) return *failed;
-  return position(std::move(mean), covariances);
+  if (auto failed = watch_camera(t_s)) return *failed;
+  return position(mean_of(observations), t_s);
 }
 
 std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::look_around() {
@@ -150,27 +146,20 @@ LampTipSensor::Look LampTipSensor::look(const FrameResult& result,
   return seen;
 }
 
-TipMeasurement LampTipSensor::position(
-    TipMeasurement measurement, const std::array<Eigen::Matrix2d, 2>& covariances_px2) const {
-  const ImageMotion& motion = watch_.motion();
-  const LampPixels then_px{motion.then(measurement.lamps_px[0]),
-                           motion.then(measurement.lamps_px[1])};
-  const auto place = place_tool(vision_, then_px, covariances_px2);
-  if (!place) return failed_look(TipStatus::kOutsideView, kOutsideView, measurement.t_s);
-  measurement.lamps_B = place->lamps_B;
-  measurement.p_vision = place->seen.p;
+TipMeasurement LampTipSensor::position(const Observation& seen, double t_s) const {
+  const auto place = see_tool(vision_, at_calibration(seen, watch_.motion()));
+  if (!place) return failed_look(TipStatus::kOutsideView, kOutsideView, t_s);
+  TipMeasurement measurement;
+  measurement.t_s = t_s;
+  measurement.frames = seen.frames;
+  measurement.lamps_px = seen.lamps_px;
+  measurement.lamps_B = place->seen.lamps_B;
+  measurement.p_vision = place->seen.tip.p;
   measurement.correction = place->error.error;
   measurement.tip = place->tip();
   measurement.inside_map = place->error.inside;
-  measurement.sigma_vision_m = std::sqrt(0.5 * place->covariance.trace());
-  const double vision_variance =
-      measurement.sigma_vision_m * measurement.sigma_vision_m / measurement.frames;
-  const double m_per_px = vision_.lamps.separation_m / (then_px[1] - then_px[0]).norm();
-  const Eigen::Vector2d middle_px = 0.5 * (then_px[0] + then_px[1]);
-  const double motion_variance =
-      0.5 * motion.covariance_px2(middle_px).trace() * m_per_px * m_per_px;
-  measurement.uncertainty_m =
-      std::sqrt(place->error.sigma * place->error.sigma + vision_variance + motion_variance);
+  measurement.noise_m = per_axis(place->seen.noise);
+  measurement.uncertainty_m = std::hypot(place->error.sigma, per_axis(place->seen.covariance));
   return measurement;
 }
 

@@ -67,9 +67,8 @@ class LampTipSensor final : public TipSensor {
   /// Looks at the reference lamps in a whole frame if that is due. Returns a failed look when the
   /// frame is missing or the lamps show that the calibration is void.
   std::optional<TipMeasurement> watch_camera(double t_s);
-  /// Completes a measurement whose lamps are located.
-  TipMeasurement position(TipMeasurement measurement,
-                          const std::array<Eigen::Matrix2d, 2>& covariances_px2) const;
+  /// Positions the tool by its lamps as they are seen now.
+  TipMeasurement position(const Observation& seen, double t_s) const;
 
   VisionCalibration vision_;
   LampTracker tracker_;

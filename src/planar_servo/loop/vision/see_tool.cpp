@@ -20,14 +20,13 @@ bool has_right_distance(const VisionCalibration& vision, const LampPair& pair) {
 }
 
 void compensate_by(const ErrorMap& map, ToolPlace& place) {
-  place.error = predict(map, place.seen.p, place.seen.phi);
+  place.error = predict(map, place.seen.tip.p, place.seen.tip.phi);
 }
 
 void compensate_by(const LampField& field, ToolPlace& place) {
-  const CompensatedTip found = compensate(field, place.lamps_B);
-  place.error = {place.seen.p - found.tip.p, std::sqrt(0.5 * found.covariance.trace()),
-                 found.inside};
-  place.error_phi = wrap_angle(place.seen.phi - found.tip.phi);
+  const CompensatedTip found = compensate(field, place.seen.lamps_B);
+  place.error = {place.seen.tip.p - found.tip.p, per_axis(found.covariance), found.inside};
+  place.error_phi = wrap_angle(place.seen.tip.phi - found.tip.phi);
 }
 
 void compensate_place(const VisionCalibration& vision, ToolPlace& place) {
@@ -76,15 +75,13 @@ std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, cons
   return expectation;
 }
 
-std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
-                                    const std::array<Eigen::Matrix2d, 2>& covariances_px2) {
+std::optional<ToolPlace> see_tool(const VisionCalibration& vision, Observation seen) {
   const auto shifts_px =
-      lamp_eccentricities_px(vision.workplane, lamps_px, vision.lamps.diameters_m);
-  const auto seen =
-      tip_from_lamps(vision.workplane, vision.tool,
-                     {lamps_px[0] - shifts_px[0], lamps_px[1] - shifts_px[1]}, covariances_px2);
-  if (!seen) return std::nullopt;
-  ToolPlace place{seen->tip, seen->covariance, seen->sigma_phi, seen->lamps_B};
+      lamp_eccentricities_px(vision.workplane, seen.lamps_px, vision.lamps.diameters_m);
+  for (std::size_t k = 0; k < 2; ++k) seen.lamps_px[k] -= shifts_px[k];
+  const auto tip = tip_from_lamps(vision.workplane, vision.tool, seen);
+  if (!tip) return std::nullopt;
+  ToolPlace place{*tip};
   compensate_place(vision, place);
   return place;
 }
@@ -97,7 +94,7 @@ std::array<Eigen::Vector2d, 2> lamps_at(const VisionCalibration& vision, const T
 }
 
 ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose& seen) {
-  ToolPlace place{seen, Eigen::Matrix2d::Zero(), 0.0, lamps_at(vision, seen)};
+  ToolPlace place{{seen, lamps_at(vision, seen)}};
   compensate_place(vision, place);
   return place.error;
 }
@@ -110,22 +107,16 @@ LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const
   return pair;
 }
 
-LampPair at_calibration(LampPair pair, const ImageMotion& motion) {
-  for (LampCenter& lamp : pair.lamps) {
-    lamp.uv_px = motion.then(lamp.uv_px);
-    if (lamp.status == LampStatus::kOk) lamp.covariance_px2 += motion.covariance_px2(lamp.uv_px);
-  }
-  return pair;
+std::optional<Observation> observation_of(const LampPair& pair, double t_s) {
+  if (!both_measured(pair)) return std::nullopt;
+  const auto& [first, second] = pair.lamps;
+  return Observation{
+      t_s, 1, {first.uv_px, second.uv_px}, {first.covariance_px2, second.covariance_px2}};
 }
 
-SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
-                  const PairExpectation& expectation, const ImageMotion& motion) {
-  SeenTool seen{at_calibration(find_lamps(vision, tracker, frame, expectation), motion),
-                std::nullopt};
-  if (!both_measured(seen.lamps) || seen.lamps.status == LampStatus::kWrongDistance) return seen;
-  const auto& [first, second] = seen.lamps.lamps;
-  seen.place = place_tool(vision, {first.uv_px, second.uv_px},
-                          {first.covariance_px2, second.covariance_px2});
+Observation at_calibration(Observation seen, const ImageMotion& motion) {
+  for (Eigen::Vector2d& uv_px : seen.lamps_px) uv_px = motion.then(uv_px);
+  seen.common_px2 += motion.covariance_px2(0.5 * (seen.lamps_px[0] + seen.lamps_px[1]));
   return seen;
 }
 

@@ -47,24 +47,13 @@ using LampPixels = std::array<Eigen::Vector2d, 2>;
 
 /// Where the tool is, by its lamps. Base frame, metres and radians.
 struct ToolPlace {
-  TipPose seen;                                         ///< uncompensated end point and direction
-  Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};  ///< of seen.p, from the lamps' pixels, m^2
-  double sigma_phi{0.0};  ///< standard deviation of seen.phi due to the lamps' pixels
-  std::array<Eigen::Vector2d, 2> lamps_B;  ///< the lamps' places on the plane, uncompensated
+  VisionTip seen;  ///< uncompensated
   /// The vision error that the map predicts there. Without a map it is zero and counts as inside.
   ErrorPrediction error{{0.0, 0.0}, 0.0, true};
   double error_phi{0.0};  ///< error of seen.phi; only a field at the lamps predicts it
 
   /// Returns the compensated pose: the pose seen minus the predicted error.
-  TipPose tip() const { return {seen.p - error.error, seen.phi - error_phi}; }
-};
-
-/// What one frame shows of the tool. Which lamp is which, and with it the direction in `place`, is
-/// known only when lamps.status is kOk.
-struct SeenTool {
-  LampPair lamps;
-  /// None unless both lamps are measured and their rays meet the plane.
-  std::optional<ToolPlace> place;
+  TipPose tip() const { return {seen.tip.p - error.error, seen.tip.phi - error_phi}; }
 };
 
 /// Returns the expectation of lamps 1 and 2 at these pixels. Their distance may differ from the
@@ -76,12 +65,11 @@ PairExpectation expect_lamps(const LampLayout& layout, const LampPixels& predict
 /// frame). Empty where the camera does not see them.
 std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, const TipPose& tip);
 
-/// Computes where the tool is from the centres of its lamps' images (px): it subtracts the
-/// eccentricity of the discs' images, intersects the rays with the workplane, finds the end point
-/// and predicts its error. The order of the lamps determines the direction and, unless the end
-/// point lies midway between them, the position. Empty when a lamp's ray does not meet the plane.
-std::optional<ToolPlace> place_tool(const VisionCalibration& vision, const LampPixels& lamps_px,
-                                    const std::array<Eigen::Matrix2d, 2>& covariances_px2);
+/// Computes where the tool is from the centres of its lamps' images: it subtracts the eccentricity
+/// of the discs' images, intersects the rays with the workplane, finds the end point and predicts
+/// its error. The order of the lamps determines the direction and, unless the end point lies midway
+/// between them, the position. Empty when a lamp's ray does not meet the plane.
+std::optional<ToolPlace> see_tool(const VisionCalibration& vision, Observation seen);
 
 /// Returns where the lamps are seen on the plane when the end point is seen at `seen`.
 std::array<Eigen::Vector2d, 2> lamps_at(const VisionCalibration& vision, const TipPose& seen);
@@ -95,15 +83,13 @@ ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose&
 LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
                     const PairExpectation& expectation);
 
-/// Returns the pair as it would have been seen at calibration, with the motion's uncertainty, which
-/// is added to each lamp although both share it.
-LampPair at_calibration(LampPair pair, const ImageMotion& motion);
+/// Returns what the frame of time `t_s` shows of the tool's lamps; nothing unless both centres are
+/// measured. Which lamp is which is known only when the pair's status is kOk.
+std::optional<Observation> observation_of(const LampPair& pair, double t_s);
 
-/// Sees the tool in a frame: locates the lamps, subtracts the image's motion, intersects the
-/// workplane, finds the end point and predicts its error. `expectation` is expect_tool() of the
-/// commanded pose.
-SeenTool see_tool(const VisionCalibration& vision, LampTracker& tracker, const Frame& frame,
-                  const PairExpectation& expectation, const ImageMotion& motion = {});
+/// Returns the lamps as they would have been seen at calibration, whose uncertainty now includes
+/// that of the motion.
+Observation at_calibration(Observation seen, const ImageMotion& motion);
 
 /// The scene in which images were taken, where known.
 struct LampScene {

@@ -12,6 +12,7 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/learn/error_map/error_map.h"
@@ -43,8 +44,7 @@ CheckedPair checked(const LampField& field, const PairRow& pair) {
   const Eigen::Vector2d reflector =
       found.tip.p + rotation2d(found.tip.phi) * field.tool.p_TS.head<2>();
   return {reflector - pair.p_reflector.value(),
-          std::hypot(std::sqrt(0.5 * found.covariance.trace()), pair_noise(pair, 0.0)),
-          found.inside};
+          std::hypot(per_axis(found.covariance), pair_noise(pair, 0.0)), found.inside};
 }
 
 void require_one_unit_of(const std::vector<PairRow>& pairs) {

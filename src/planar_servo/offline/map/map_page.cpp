@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
@@ -61,7 +62,7 @@ std::array<Eigen::Vector2d, 2> lamps_about(const LampFieldFit& fit, const Eigen:
 
 ErrorPrediction prediction_of(const LampFieldFit& fit, const Eigen::Vector2d& p) {
   const CompensatedTip found = compensate(fit.field, lamps_about(fit, p));
-  return {p - found.tip.p, std::sqrt(0.5 * found.covariance.trace()), found.inside};
+  return {p - found.tip.p, per_axis(found.covariance), found.inside};
 }
 
 /// Every n-th square of a drawn field along both axes gets an arrow.

@@ -10,9 +10,11 @@
 #include <tuple>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/loop/health/arm_check.h"
 #include "planar_servo/loop/vision/see_tool.h"
+#include "planar_servo/offline/pairs/pair_tracker.h"
 
 namespace planar {
 namespace {
@@ -60,45 +62,13 @@ struct Trend {
   }
 };
 
-/// The lamps of one place, averaged over its frames.
-struct MeanSight {
-  const FrameRow* frame{nullptr};
-  std::array<Eigen::Vector2d, 2> uv_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  std::array<Eigen::Matrix2d, 2> covariances_px2{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
-  double count{0.0};
-  std::optional<LampLooks> looks;  ///< of the last frame that has them
-
-  void add(const LampRow& row) {
-    for (std::size_t k = 0; k < 2; ++k) {
-      uv_px[k] += row.uv_px[k];
-      covariances_px2[k] += row.covariance_px2[k];
-    }
-    count += 1.0;
-    if (row.looks.size() == 2) looks = LampLooks{row.looks[0], row.looks[1]};
-  }
-  void finish() {
-    for (std::size_t k = 0; k < 2; ++k) {
-      uv_px[k] /= count;
-      covariances_px2[k] /= count * count;
-    }
-  }
-};
-
-std::map<std::string, MeanSight> mean_sights(const std::vector<FrameRow>& frames,
-                                             const std::vector<LampRow>& lamps) {
-  std::map<std::string, const FrameRow*> by_image;
-  for (const FrameRow& frame : frames)
-    if (!shows_board(frame.plan)) by_image.emplace(frame.image, &frame);
-  std::map<std::string, MeanSight> sights;
-  for (const LampRow& row : lamps) {
-    const auto frame = by_image.find(row.image);
-    if (frame == by_image.end() || row.status != LampStatus::kOk || row.uv_px.size() != 2) continue;
-    MeanSight& sight = sights[row.id];
-    sight.frame = frame->second;
-    sight.add(row);
-  }
-  for (auto& [id, sight] : sights) sight.finish();
-  return sights;
+/// Returns how the lamps of each place looked in the last frame that says it.
+std::map<std::string, LampLooks> last_looks(const std::vector<LampRow>& lamps) {
+  std::map<std::string, LampLooks> looks;
+  for (const LampRow& row : lamps)
+    if (row.status == LampStatus::kOk && row.looks.size() == 2)
+      looks[row.id] = {row.looks[0], row.looks[1]};
+  return looks;
 }
 
 /// Places to be visited again lie within this of home in every motor: a visit of all takes 10 s at
@@ -152,15 +122,17 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
                                    const std::vector<LampRow>& lamps) {
   const PlanarArm arm(cell.arm.geometry);
   std::vector<SeenPlace> seen;
-  for (const auto& [id, sight] : mean_sights(frames, lamps)) {
-    const auto place = place_tool(vision, sight.uv_px, sight.covariances_px2);
+  const std::map<std::string, LampLooks> looks = last_looks(lamps);
+  for (const PoseSight& sight : unattended_sights(lamp_sights(lamps, frames)).unattended) {
+    const auto place = see_tool(vision, sight);
     if (!place) continue;
-    const double sigma_m = std::sqrt(0.5 * place->covariance.trace());
-    seen.push_back({{id, sight.frame->theta, place->lamps_B, sigma_m},
-                    sight.frame->t_s,
-                    arm.forward(sight.frame->theta),
-                    place->seen,
-                    sight.looks});
+    const double sigma_m = per_axis(place->seen.covariance);
+    seen.push_back({{sight.id, sight.theta, place->seen.lamps_B, sigma_m},
+                    sight.t_s,
+                    arm.forward(sight.theta),
+                    place->seen.tip});
+    if (const auto look = looks.find(sight.id); look != looks.end())
+      seen.back().looks = look->second;
   }
   return seen;
 }

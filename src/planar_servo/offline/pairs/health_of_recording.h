@@ -27,7 +27,7 @@ RecordedDrift recorded_drift(const std::vector<SeenPlace>& seen);
 /// to a time before the first place that shows it, they are as uncertain as they are moved by that.
 void bring_to_end(const std::vector<SeenPlace>& seen, std::vector<HealthPlace>& places);
 
-/// Returns the places of a recording in which both lamps were located.
+/// Returns the places of a recording at which both lamps were located at rest.
 std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibration& vision,
                                    const std::vector<FrameRow>& frames,
                                    const std::vector<LampRow>& lamps);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
@@ -17,10 +18,8 @@
 #include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
-namespace {
+namespace {}  // namespace
 
-/// Joins the lamps' rows with what the recording knows of their frames. Views of boards are left
-/// out. Throws InputError naming lamps of images that the recording lacks.
 std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
                                    const std::vector<FrameRow>& frames) {
   std::map<std::string, const FrameRow*> by_image, by_id;
@@ -41,25 +40,21 @@ std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
     }
     const FrameRow& frame = *found->second;
     if (shows_board(frame.plan)) continue;
-    LampSight sight;
-    sight.id = row.id;
-    sight.t_s = frame.t_s;
-    sight.plan = frame.plan;
-    sight.theta = frame.theta;
-    if (row.status != LampStatus::kOk) {
+    LampSight sight{{{}, row.id, frame.plan, frame.theta}, ""};
+    if (row.status != LampStatus::kOk)
       sight.fault = name(row.status);
-    } else if (row.uv_px.size() != 2) {
+    else if (row.uv_px.size() != 2)
       sight.fault = name(LampStatus::kOneLamp);
-    } else {
-      std::copy(row.uv_px.begin(), row.uv_px.end(), sight.uv_px.begin());
-      std::copy(row.covariance_px2.begin(), row.covariance_px2.end(),
-                sight.covariances_px2.begin());
-    }
+    else
+      static_cast<Observation&>(sight) = observation_of(row);
+    sight.t_s = frame.t_s;
     sights.push_back(std::move(sight));
   }
   faults.throw_if_any();
   return sights;
 }
+
+namespace {
 
 /// Moves the lamps' places from the centres of their images to the images of their centres, for
 /// discs of these diameters (metres) in the plane. Returns the largest shift, pixels.
@@ -83,7 +78,7 @@ constexpr char kUnseen[] = "a lamp's ray does not meet the plane";
 /// Returns a place as vision locates it; empty when a lamp's ray does not meet the plane.
 std::optional<PairRow> seen_row(const Workplane& workplane, const ToolOffsets& tool,
                                 const PoseSight& sight) {
-  const auto seen = tip_from_lamps(workplane, tool, sight.lamps_px, sight.covariances_px2);
+  const auto seen = tip_from_lamps(workplane, tool, sight);
   if (!seen) return std::nullopt;
   PairRow row;
   row.id = sight.id;
@@ -93,7 +88,7 @@ std::optional<PairRow> seen_row(const Workplane& workplane, const ToolOffsets& t
   row.p_vision = seen->tip.p;
   row.phi = seen->tip.phi;
   row.lamps_B = seen->lamps_B;
-  row.sigma_vision = std::sqrt(0.5 * seen->covariance.trace());
+  row.sigma_vision = per_axis(seen->covariance);
   return row;
 }
 

@@ -45,6 +45,11 @@ struct PairTrackerReport {
   std::vector<Refusal> doubts;          ///< what the readings leave open, and what to do
 };
 
+/// Joins the lamps' rows with what the recording knows of their frames. Views of boards are left
+/// out. Throws InputError naming lamps of images that the recording lacks.
+std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
+                                   const std::vector<FrameRow>& frames);
+
 /// Makes pairs of what was recorded. It ties the tracker to the base by the monuments, brings lamps
 /// and readings together, and fits workplane and tool to the places of the plans train, sweep1 and
 /// sweep3, never to those kept for judging. It then takes off the eccentricity that the lamps'

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
@@ -189,9 +190,8 @@ void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSigh
   throw InputError(
       {fmt::format("joint 1 turns about ({}) mm +- {:.3f}, {:.3f} mm from the base's origin, as {} "
                    "places of plan sweep1 show: the monuments are shifted together",
-                   fixed(axis->p / kMillimetre, 3, ", "),
-                   std::sqrt(0.5 * covariance.trace()) / kMillimetre, mm(axis->p.norm()),
-                   points.size()),
+                   fixed(axis->p / kMillimetre, 3, ", "), per_axis(covariance) / kMillimetre,
+                   mm(axis->p.norm()), points.size()),
        fmt::format("subtract ({}) from x, y of all of them in the cell file, or measure them again",
                    fixed(axis->p / kMillimetre, 3, ", ")),
        "datum"});

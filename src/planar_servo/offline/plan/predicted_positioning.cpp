@@ -81,7 +81,7 @@ PositioningTerms positioning_terms(const PredictionInputs& known, const TargetRo
   const double phi = target.phi_d.value_or(known.tool_orientation);
   PositioningTerms terms;
   terms.field = predict_error_at(known.vision, {target.p_d, phi}).sigma;
-  terms.vision = known.sigma_vision / std::sqrt(known.servo.frames_per_measurement);
+  terms.vision = known.sigma_vision;
   terms.stop = 0.5 * std::max(known.servo.tolerance_m, 2.0 * terms.vision);
   terms.landing = known.landing_sigma;
   // A field at the lamps has the registration in its covariance.

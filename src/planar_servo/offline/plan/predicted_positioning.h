@@ -22,7 +22,7 @@ struct PredictionInputs {
   ServoSettings servo;
   std::vector<Monument> datum;
   double tool_orientation{0.0};
-  double sigma_vision{0.0};   ///< of one frame, per axis
+  double sigma_vision{0.0};   ///< of the frames of one measurement, per axis
   double sigma_tracker{0.0};  ///< of a reading, per axis
   double landing_sigma{0.0};  ///< see LampFieldFit
   int monument_readings{kMonumentReadings};

@@ -195,12 +195,11 @@ std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) 
   const TipMeasurement seen =
       measure(tip_from_places(place.lamps_B, vision_.tool), cell_.servo.frames_per_measurement);
   if (!seen.ok()) return without_size(Cause::kNotSeen, place.id + ": " + seen.word);
-  const double now_m = seen.sigma_vision_m / std::sqrt(seen.frames);
   return Revisit{
       planner_.transmission().motors_from_joints(place.theta),
       place.lamps_B,
       seen.lamps_B,
-      std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, now_m), repeatability_m(cell_)),
+      std::hypot(std::sqrt(2.0) * std::hypot(place.sigma_m, seen.noise_m), repeatability_m(cell_)),
       as_found_.scatter_m(),
       as_found_.wander_m()};
 }
