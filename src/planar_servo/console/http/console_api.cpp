@@ -138,19 +138,14 @@ void add_headers(const httplib::Request& /*request*/, httplib::Response& respons
   add("Cache-Control", "no-store");
 }
 
-}  // namespace
-
-const std::vector<PageFile>& page_files() {
-  static const std::vector<PageFile> files = [] {
-    std::vector<PageFile> all;
-    for (const auto& [name, text] : kConsolePage) {
-      const bool is_index = std::string_view(name) == "index.html";
-      all.push_back({std::string("/") + (is_index ? "" : name), type_of(name), text});
-    }
-    return all;
-  }();
-  return files;
+/// Returns the text of the page's file of this name.
+std::string_view page_text(std::string_view name) {
+  return std::find_if(std::begin(kConsolePage), std::end(kConsolePage),
+                      [&](const EmbeddedFile& file) { return file.name == name; })
+      ->text;
 }
+
+}  // namespace
 
 ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board,
                        CellWorker& worker, ConsoleJobs& jobs, ConsoleServer& server)
@@ -161,6 +156,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
       jobs_(jobs),
       orders_(board, worker, jobs),
       server_(server),
+      description_(page_text("openapi.json")),
       allowance_(kRequests_s) {
   server_.set_pre_routing_handler([this](const Request& request, Response& response) {
     return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
@@ -187,25 +183,25 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_get("/api/results", &ConsoleApi::results);
   answer_get("/api/targets", &ConsoleApi::targets);
   answer_get("/api/path", &ConsoleApi::path);
-  answer_post("/api/operator", &ConsoleOrders::take_floor, {"take"});
+  answer_post("/api/operator", &ConsoleOrders::take_floor);
   server_.Post("/api/stop", [this](const Request&, Response& response) {
     response.set_content(text_of(orders_.stop()), kJson);  // whatever the body is
   });
-  answer_post("/api/command", &ConsoleOrders::command, {"line"});
-  answer_post("/api/jog", &ConsoleOrders::jog, {"line"});
+  answer_post("/api/command", &ConsoleOrders::command);
+  answer_post("/api/jog", &ConsoleOrders::jog);
   answer_post("/api/jog/keep", &ConsoleOrders::keep);
-  answer_post("/api/targets", &ConsoleOrders::load_targets, {"csv"});
-  answer_post("/api/run", &ConsoleOrders::run, {"out", "resume", "judged"});
-  answer_post("/api/go", &ConsoleOrders::go, {"x_mm", "y_mm", "phi_deg"});
+  answer_post("/api/targets", &ConsoleOrders::load_targets);
+  answer_post("/api/run", &ConsoleOrders::run);
+  answer_post("/api/go", &ConsoleOrders::go);
   answer_post("/api/check", &ConsoleOrders::check);
-  answer_post("/api/record", &ConsoleOrders::record, {"plan", "out", "board", "on_bad_reading"});
-  answer_post("/api/path", &ConsoleOrders::load_path, {"csv"});
-  answer_post("/api/follow", &ConsoleOrders::follow, {"out", "speeds_mm_s", "guided_by"});
-  answer_post("/api/certificate", &ConsoleOrders::certify, {"out", "cycles", "targets"});
-  answer_post("/api/experiment", &ConsoleOrders::experiment, {"out"});
-  answer_post("/api/answer", &ConsoleOrders::answer, {"id", "text"});
+  answer_post("/api/record", &ConsoleOrders::record);
+  answer_post("/api/path", &ConsoleOrders::load_path);
+  answer_post("/api/follow", &ConsoleOrders::follow);
+  answer_post("/api/certificate", &ConsoleOrders::certify);
+  answer_post("/api/experiment", &ConsoleOrders::experiment);
+  answer_post("/api/answer", &ConsoleOrders::answer);
   answer_post("/api/confirm", &ConsoleOrders::confirm);
-  answer_post("/api/step", &ConsoleOrders::step, {"board"});
+  answer_post("/api/step", &ConsoleOrders::step);
   serve_pictures();
   serve_events();
   serve_page();
@@ -221,8 +217,8 @@ bool ConsoleApi::admit(const Request& request, Response& response) {
   }
   if (const auto denial = gate_.denial(head)) {
     const bool is_page = head.path.rfind("/api/", 0) != 0;
-    refuse(response, denial->status, {denial->refusal});
-    if (is_page) response.set_content(denial->refusal.text() + "\n", "text/plain; charset=utf-8");
+    refuse(response, denial->status, {*denial});
+    if (is_page) response.set_content(denial->text() + "\n", "text/plain; charset=utf-8");
     return false;
   }
   if (head.path == "/api/stop") return true;
@@ -253,9 +249,9 @@ void ConsoleApi::answer_get(const char* path, Json (ConsoleApi::*read)(const Req
   });
 }
 
-void ConsoleApi::answer_post(const char* path, ConsoleOrders::Act act,
-                             const std::vector<std::string>& keys) {
-  server_.Post(path, [this, act, keys](const Request& request, Response& response) {
+void ConsoleApi::answer_post(const char* path, ConsoleOrders::Act act) {
+  server_.Post(path, [this, act, keys = description_.keys(path)](const Request& request,
+                                                                 Response& response) {
     const Sender sender = orders_.sender(request.get_header_value(kClient), stops_in(request));
     const Json body = body_of(request, keys);
     response.set_content(board_.named(text_of((orders_.*act)(body, sender))), kJson);
@@ -303,10 +299,14 @@ void ConsoleApi::serve_events() {
 }
 
 void ConsoleApi::serve_page() {
-  for (const PageFile& file : page_files())
-    server_.Get(file.path, [&file](const Request&, Response& response) {
-      response.set_content(file.text.data(), file.text.size(), file.type);
-    });
+  for (const EmbeddedFile& file : kConsolePage) {
+    const std::string_view name = file.name;
+    const std::string_view text = name == "openapi.json" ? description_.openapi() : file.text;
+    server_.Get(name == "index.html" ? "/" : fmt::format("/{}", name),
+                [text, type = type_of(name)](const Request&, Response& response) {
+                  response.set_content(text.data(), text.size(), type);
+                });
+  }
 }
 
 void ConsoleApi::serve_report(const std::string& name, Response& response) {

@@ -6,10 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "planar_servo/console/cell_worker.h"
+#include "planar_servo/console/http/api_description.h"
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/console_orders.h"
 #include "planar_servo/console/http/rights.h"
@@ -17,15 +16,6 @@
 #include "planar_servo/console/state_board.h"
 
 namespace planar {
-
-/// A file of the page that is built into the program.
-struct PageFile {
-  std::string path;  ///< as browsers ask for it, such as "/page.js"
-  const char* type;  ///< MIME type
-  std::string_view text;
-};
-
-const std::vector<PageFile>& page_files();
 
 /// Answers the requests of pages and programs at a console: who may ask, and what they read.
 class ConsoleApi {
@@ -41,8 +31,7 @@ class ConsoleApi {
 
   bool admit(const Request& request, Response& response);
   void answer_get(const char* path, Json (ConsoleApi::*read)(const Request&));
-  void answer_post(const char* path, ConsoleOrders::Act act,
-                   const std::vector<std::string>& keys = {});
+  void answer_post(const char* path, ConsoleOrders::Act act);
   void serve_pictures();
   void serve_events();
   void serve_page();
@@ -67,6 +56,7 @@ class ConsoleApi {
   ConsoleJobs& jobs_;
   ConsoleOrders orders_;
   ConsoleServer& server_;
+  ApiDescription description_;
 
   std::mutex mutex_;
   SteadyClock clock_;
