@@ -74,8 +74,8 @@ py::list views_from(const CameraCalibration& calibration) {
 
 py::list rejected_from(const CameraCalibration& calibration) {
   py::list rejected;
-  for (const RejectedView& view : calibration.rejected)
-    rejected.append(py::make_tuple(view.name, view.reason));
+  for (const Rejection& view : calibration.rejected)
+    rejected.append(py::make_tuple(view.id, view.reason));
   return rejected;
 }
 

@@ -72,7 +72,8 @@ Outcome work(const Options& options) {
   auto findings = examine_cell(options.cell);
   if (is_sound(findings)) {
     if (const auto doubt = foresee_check(read_calibrated_cell(read_cell(options.cell))).doubt)
-      findings.push_back({Finding::Verdict::kDoubtful, doubt->where, doubt->fault, doubt->remedy});
+      findings.push_back(
+          {{doubt->fault, doubt->remedy, doubt->where}, Finding::Verdict::kDoubtful});
   }
   if (const char* folders = std::getenv("PATH"))
     for (Finding& finding : question_installations(own_file(), folders))

@@ -31,7 +31,7 @@ void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_value(app, "--teach", options.teach, "targets.csv",
             "table of targets to append taught places to");
-  app.footer(std::string("Commands, one a line:\n") + JogConsole::help() +
+  app.footer(std::string("Commands, one a line:\n") + arm_command_help() +
              "\nAt a terminal Enter stops an arm that moves.");
 }
 
@@ -53,6 +53,12 @@ class TypedLine {
   bool at_terminal_{isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0};
 };
 
+std::string verb_of(const std::string& line) {
+  std::string verb;
+  std::istringstream(line) >> verb;
+  return verb;
+}
+
 /// Executes commands, prints their answers and counts what was not done.
 class Session {
  public:
@@ -61,14 +67,21 @@ class Session {
 
   /// What was typed while the command ran is forgotten before its answer is shown.
   void execute(const std::string& line) {
-    const JogConsole::Answer answer = console_.execute(line);
+    std::string answer, fault;
+    try {
+      answer = answer_to(line);
+    } catch (const InputError& error) {
+      fault = error.what();
+    } catch (const WorkError& error) {
+      fault = error.what();
+    }
     typed_.forget();
     status_.wipe();
     ++commands_;
-    if (!answer.done)
-      refuse(answer.text);
-    else if (!answer.text.empty())
-      say("{}\n", answer.text);
+    if (!fault.empty())
+      refuse(fault);
+    else if (!answer.empty())
+      say("{}\n", answer);
     std::fflush(stdout);
   }
 
@@ -84,6 +97,12 @@ class Session {
     return {{{"commands", commands_}, {"refused", refused_}}, refused_ == 0};
   }
 
+  std::string answer_to(const std::string& line) {
+    if (verb_of(line) == "help") return arm_command_help();
+    const auto command = parse_arm_command(line);
+    return command ? console_.perform(*command) : "";
+  }
+
  private:
   void refuse(const std::string& reason) {
     ++refused_;
@@ -95,12 +114,6 @@ class Session {
   const TypedLine& typed_;
   std::size_t commands_{0}, refused_{0};
 };
-
-std::string verb_of(const std::string& command) {
-  std::string verb;
-  std::istringstream(command) >> verb;
-  return verb;
-}
 
 bool ends(const std::string& command) {
   return verb_of(command) == "quit";
@@ -117,7 +130,7 @@ Outcome jog(const Options& options) {
       [&] { return interrupted() || typed.is_there(); },
       [&](const std::string& sentence) { status.show(sentence + "; Enter stops the arm"); });
   Session session(console, status, typed);
-  if (typed.at_terminal()) say("{}\n", JogConsole::help());
+  if (typed.at_terminal()) say("{}\n", arm_command_help());
   for (std::string line; !interrupted() && std::getline(std::cin, line) && !ends(line);) {
     if (std::cin.eof()) {
       session.refuse_torn(line);
@@ -126,7 +139,7 @@ Outcome jog(const Options& options) {
     session.execute(line);
     if (!typed.at_terminal() || verb_of(line) != "focus") continue;
     while (!typed.is_there() && !interrupted())
-      status.show("Enter ends this: " + console.execute(line).text);
+      status.show("Enter ends this: " + session.answer_to(line));
     status.wipe();
     if (!interrupted()) std::getline(std::cin, line);
   }

@@ -110,7 +110,7 @@ LocateJob read_job(const Options& options) {
     request.method = cell.lamps.method;
     request.scene = read_lamp_scene(cell);
     for (const StaleFile& stale : stale_files(cell, false)) {
-      spdlog::warn(stale.refusal.text() + "; until then lamps are located without the workplane");
+      spdlog::warn(stale.text() + "; until then lamps are located without the workplane");
       request.scene->vision.reset();
     }
     job.origins = origins_of_lamps(cell, frames, request.scene->vision.has_value());

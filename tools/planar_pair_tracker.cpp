@@ -160,7 +160,7 @@ void look_at_cell(const Options& options, const PairTrackerRequest& request,
   const std::vector<SeenPlace> seen =
       seen_places(request.cell, vision, request.frames, request.lamps);
   for (const HealthFinding& finding : arm_faults(request.cell, vision, seen))
-    spdlog::warn(fmt::format("{}; {}", finding.what, redo(finding.cause)));
+    spdlog::warn(finding.text());
   if (!options.health_out.empty())
     write_health_file(options.health_out, request.cell, files_of(options),
                       health_of(request.cell, seen), kText.name);

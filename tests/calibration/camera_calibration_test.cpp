@@ -175,7 +175,7 @@ TEST_CASE("A view with a grossly wrong dot is left out by name") {
   problem.views[3].pixels[20] += Eigen::Vector2d(12.0, -9.0);
   const CameraCalibration found = calibrate_camera(problem);
   REQUIRE(found.rejected.size() == 1);
-  CHECK(found.rejected[0].name == "view3");
+  CHECK(found.rejected[0].id == "view3");
   CHECK_THAT(found.rejected[0].reason, Catch::Contains("px rms off"));
   check_intrinsics(found, kIntrinsics);
 }

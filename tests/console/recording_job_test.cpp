@@ -32,7 +32,7 @@ struct AskedCell {
         worker(cell, board, [] { return false; }),
         jobs(cell, board, worker),
         recording(cell, board, jobs, seat) {
-    REQUIRE(worker.command("enable", 0).done);
+    worker.command(EnableCommand{}, "enable", 0);
   }
 
   static std::filesystem::path written(const test::TemporaryFolder& folder) {

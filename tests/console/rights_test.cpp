@@ -120,8 +120,7 @@ TEST_CASE("A page behind a proxy is refused at its first question, unless its or
   RequestHead head = get_with(kGate.tokens().read);
   head.origin = "https://arm.example.org";
   REQUIRE(status_of(head) == 403);
-  CHECK_THAT(kGate.denial(head)->refusal.remedy,
-             Catch::Contains("--origin https://arm.example.org"));
+  CHECK_THAT(kGate.denial(head)->remedy, Catch::Contains("--origin https://arm.example.org"));
   ConsoleSite site{8377};
   site.origins = {"https://arm.example.org"};
   const Gatekeeper known(site, kGate.tokens());

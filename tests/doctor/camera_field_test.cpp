@@ -29,7 +29,7 @@ TEST_CASE("A workspace that reaches out of the picture is questioned, with a pla
   const auto findings = question_camera_field(cell);
   REQUIRE(findings.size() == 1);
   CHECK(findings[0].verdict == Finding::Verdict::kDoubtful);
-  CHECK_THAT(findings[0].what, Contains("does not see") && Contains("such as ("));
+  CHECK_THAT(findings[0].fault, Contains("does not see") && Contains("such as ("));
   CHECK_THAT(findings[0].remedy, Contains("workspace.radius_max_mm"));
   cell.workspace.radius_max_m = 0.4;
   CHECK(question_camera_field(cell).empty());
@@ -56,7 +56,7 @@ TEST_CASE("A camera file of another picture size is a fault of the field, not th
   const auto findings = question_camera_field(cell);
   REQUIRE(findings.size() == 1);
   CHECK(findings[0].verdict == Finding::Verdict::kFaulty);
-  CHECK_THAT(findings[0].what, Contains("5120 x 5120 px"));
+  CHECK_THAT(findings[0].fault, Contains("5120 x 5120 px"));
 }
 
 }  // namespace

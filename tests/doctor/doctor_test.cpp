@@ -23,8 +23,8 @@ TEST_CASE("A virtual cell in order only lacks the files that are not made yet") 
     CHECK(finding.verdict == Verdict::kWell);
     CHECK(finding.remedy.empty());
   }
-  CHECK(findings.back().subject == "tracker");
-  CHECK_THAT(findings.back().what, Contains("virtual") && Contains("no device to examine"));
+  CHECK(findings.back().where == "tracker");
+  CHECK_THAT(findings.back().fault, Contains("virtual") && Contains("no device to examine"));
 }
 
 TEST_CASE("A cell file with faults is refused with all of them") {
@@ -68,7 +68,7 @@ TEST_CASE("A file that the servo could not read is faulty, and says what mends i
     bool is_told = false;
     for (const Finding& fault : faults_with(name, ""))
       is_told =
-          is_told || (fault.subject == name && fault.what.find("is empty") != std::string::npos &&
+          is_told || (fault.where == name && fault.fault.find("is empty") != std::string::npos &&
                       fault.remedy == std::string("make it again with ") + program);
     CHECK(is_told);
   }
@@ -82,7 +82,7 @@ TEST_CASE("A workplane without the cell's reference lamps is faulty, as for the 
   const auto faults = faults_with("workplane.yaml", workplane.substr(0, lamps + 1));
   bool is_told = false;
   for (const Finding& fault : faults)
-    is_told = is_told || fault.what.find("knows none of the") != std::string::npos;
+    is_told = is_told || fault.fault.find("knows none of the") != std::string::npos;
   CHECK(is_told);
 }
 

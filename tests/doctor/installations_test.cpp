@@ -32,7 +32,7 @@ TEST_CASE("A package beside a checkout's build is named with both places") {
       question_installations(own, machine.at("package") + ":" + machine.at("build"));
   REQUIRE(findings.size() == 1);
   CHECK(findings.front().verdict == Finding::Verdict::kDoubtful);
-  CHECK_THAT(findings.front().what,
+  CHECK_THAT(findings.front().fault,
              Contains("this is " + own) && Contains("PATH also finds " + machine.at("package")));
   CHECK_THAT(findings.front().remedy, Contains("apt remove planar-servo"));
 }

@@ -259,21 +259,21 @@ TEST_CASE("A port that is absent, silent or not a board's is refused with the re
 TEST_CASE("The doctor tells a well board from one that differs or is absent") {
   GrblBench bench;
   CHECK(examine_grbl(bench.settings).at(0).verdict == Finding::Verdict::kWell);
-  CHECK_THAT(examine_grbl(bench.settings).at(0).what, Contains("Grbl 1.1h"));
+  CHECK_THAT(examine_grbl(bench.settings).at(0).fault, Contains("Grbl 1.1h"));
   bench.board.press_limit('Y', true);
   bench.board.press_limit('P', true);  // a probe stops nothing
   const std::vector<Finding> pressed = examine_grbl(bench.settings);
   REQUIRE(pressed.size() == 2);
   CHECK(pressed[1].verdict == Finding::Verdict::kDoubtful);
-  CHECK(pressed[1].what == "inputs are on at rest: limit Y");
+  CHECK(pressed[1].fault == "inputs are on at rest: limit Y");
   CHECK_THAT(pressed[1].remedy, Contains("$5"));
   bench.board.press_limit('R', true);
-  CHECK(examine_grbl(bench.settings).at(1).what == "inputs are on at rest: limit Y, reset");
+  CHECK(examine_grbl(bench.settings).at(1).fault == "inputs are on at rest: limit Y, reset");
   bench.board.set(120, 10.0);
   CHECK(examine_grbl(bench.settings).at(0).verdict == Finding::Verdict::kFaulty);
   CHECK_THAT(examine_grbl(bench.settings).at(0).remedy, Contains("$120=160"));
   bench.board.unplug();
-  CHECK_THAT(examine_grbl(bench.settings).at(0).what, Contains("does not exist"));
+  CHECK_THAT(examine_grbl(bench.settings).at(0).fault, Contains("does not exist"));
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ struct MadeCell {
   }
   std::vector<std::string> stale() {
     std::vector<std::string> texts;
-    for (const StaleFile& file : stale_files(cell, true)) texts.push_back(file.refusal.text());
+    for (const StaleFile& file : stale_files(cell, true)) texts.push_back(file.text());
     return texts;
   }
 

@@ -87,10 +87,10 @@ TEST_CASE("The first moves name what is wrong with an arm, and how much") {
       fault.make(cell);
       const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
       INFO(words(fault.cause) << ", seed " << seed << ": "
-                              << (found.empty() ? "nothing" : found[0].what));
+                              << (found.empty() ? "nothing" : found[0].fault));
       if (found.empty()) continue;
       ++seen;
-      UNSCOPED_INFO(words(fault.cause) << ", seed " << seed << ": " << found[0].what);
+      UNSCOPED_INFO(words(fault.cause) << ", seed " << seed << ": " << found[0].fault);
       if (found[0].cause != fault.cause) continue;
       ++named;
       if (std::isfinite(fault.size)) CHECK(found[0].size == Approx(fault.size).epsilon(0.25));

@@ -40,7 +40,7 @@ TEST_CASE("A change of light or focus is named with its size, its lamp and what 
   REQUIRE(light);
   CHECK(light->cause == Cause::kBackground);
   CHECK(light->cost_m == 3e-5);
-  CHECK_THAT(light->what, Catch::Contains("background of lamp 2 is 90 of 255, was 12 to 12"));
+  CHECK_THAT(light->fault, Catch::Contains("background of lamp 2 is 90 of 255, was 12 to 12"));
   const auto bright = found_with([](LampLook& look) { look.level = 255.0; });
   REQUIRE(bright);
   CHECK(bright->cause == Cause::kTooBright);
@@ -52,7 +52,7 @@ TEST_CASE("A change of light or focus is named with its size, its lamp and what 
   const auto blurred = find_light_change(*ranges_of(looks_of_field()), unfocused, 3e-5);
   REQUIRE(blurred);
   CHECK(blurred->cause == Cause::kBlurred);
-  CHECK_THAT(blurred->what, Catch::Contains("blurred by 2.00 px, was 0.80 to 1.00"));
+  CHECK_THAT(blurred->fault, Catch::Contains("blurred by 2.00 px, was 0.80 to 1.00"));
   const auto oval = found_with([](LampLook& look) { look.axis_ratio = 0.7; });
   REQUIRE(oval);
   CHECK(oval->cause == Cause::kOval);

@@ -63,7 +63,7 @@ TEST_CASE("Revisits name what has moved, and by how much") {
     for (unsigned seed = 1; seed <= 20; ++seed) {
       const auto found = find_changes(test::filed_cell(),
                                       visit_twice(seed, moved.value * Numbers::Unit(moved.number)));
-      INFO(words(moved.cause) << ", seed " << seed << (found.empty() ? "" : found[0].what));
+      INFO(words(moved.cause) << ", seed " << seed << (found.empty() ? "" : found[0].fault));
       REQUIRE_FALSE(found.empty());
       CHECK(found[0].cause == moved.cause);
       CHECK(found[0].size == Approx(moved.size).epsilon(0.3));

@@ -51,6 +51,24 @@ class FailingCamera final : public CellDevices, public FrameSource {
   std::unique_ptr<CellDevices> whole_;
 };
 
+TEST_CASE("A line becomes the command that it names, in SI, its joints counted from 0") {
+  const auto turn = std::get<TurnCommand>(parse_arm_command(" joint  2 -15").value());
+  CHECK(turn.joint == 1);
+  CHECK(turn.angle == Approx(-15.0 * kDegree));
+  CHECK(std::get<StepCommand>(parse_arm_command("y 2.5").value())
+            .by_B.isApprox(Eigen::Vector2d(0.0, 2.5e-3)));
+  CHECK(std::get<GoCommand>(parse_arm_command("go bin 2").value()).id == "bin 2");
+  CHECK_FALSE(std::get<HomeCommand>(parse_arm_command("home").value()).joint);
+  const auto exposure = std::get<ExposeCommand>(parse_arm_command("exposure 250 6").value());
+  CHECK(exposure.time_s == Approx(250e-6));
+  CHECK(exposure.gain_db == 6.0);
+  for (const char* nothing : {"", "  ", "# a remark"}) CHECK_FALSE(parse_arm_command(nothing));
+  for (const char* line : {"quit", "x 1\ny 1", "jonit 1 2", "joint 4 1", "x", "x nan", "mark 0"}) {
+    INFO(line);
+    CHECK_THROWS_AS(parse_arm_command(line), InputError);
+  }
+}
+
 TEST_CASE("Before homing, and at a jog that needs it, the commands are named that lead on") {
   const test::TemporaryFolder folder;
   CellSettings cell = read_cell(test::paper_cell_file());
@@ -63,32 +81,32 @@ TEST_CASE("Before homing, and at a jog that needs it, the commands are named tha
   std::vector<std::string> announced;
   JogConsole console(read_calibrated_cell(cell), devices, folder / "t.csv", {},
                      [&](const std::string& sentence) { announced.push_back(sentence); });
-  CHECK_THAT(console.execute("home").text, Contains("the drives are off"));
+  CHECK_THAT(test::execute(console, "home").text, Contains("the drives are off"));
   const std::string to_do =
       "joint 1, joint 2: home the arm, which searches the home switches and moves it; "
       "turn joint 3 to its mark at 10.000 deg by hand, then give the command mark 3";
-  CHECK(console.execute("enable").text == "the drives are on; still to be homed: " + to_do);
-  const auto refused = console.execute("joint 1 1");
+  CHECK(test::execute(console, "enable").text == "the drives are on; still to be homed: " + to_do);
+  const auto refused = test::execute(console, "joint 1 1");
   CHECK_FALSE(refused.done);
   CHECK(refused.text == "drives do not know where they stand; " + to_do);
-  CHECK(console.execute("teach a").text == refused.text);
-  CHECK(console.execute("mark 3").done);
-  CHECK(console.execute("home").text == "2 joints homed");
+  CHECK(test::execute(console, "teach a").text == refused.text);
+  CHECK(test::execute(console, "mark 3").done);
+  CHECK(test::execute(console, "home").text == "2 joints homed");
   REQUIRE(announced.size() == 2);
   CHECK_THAT(announced[1], Contains("joint 2 searches its home switch") && Contains("180 s"));
-  CHECK(console.execute("enable").text == "the drives are on and know where they stand");
+  CHECK(test::execute(console, "enable").text == "the drives are on and know where they stand");
 }
 
 TEST_CASE("A camera that fails stops a jog, and the next one goes without it") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   FailingCamera devices(cell);
   JogConsole console(read_calibrated_cell(cell), devices, "");
-  REQUIRE(console.execute("enable").done);
+  REQUIRE(test::execute(console, "enable").done);
   devices.dies_s = devices.clock().now_s() + 0.05;  // 15 deg take 0.45 s
-  const auto stopped = console.execute("joint 2 15");
+  const auto stopped = test::execute(console, "joint 2 15");
   CHECK_FALSE(stopped.done);
   CHECK_THAT(stopped.text, Contains("the camera is dead; the arm has stopped at joints"));
-  CHECK(console.execute("joint 2 15").done);
+  CHECK(test::execute(console, "joint 2 15").done);
 }
 
 TEST_CASE("A jog that is stopped says where the arm is, and the next one continues from there") {
@@ -99,21 +117,21 @@ TEST_CASE("A jog that is stopped says where the arm is, and the next one continu
   JogConsole console(read_calibrated_cell(cell), *devices, "", [&] {
     return stop && devices->clock().now_s() > start_s + 0.05;  // 15 deg take 0.45 s
   });
-  REQUIRE(console.execute("enable").done);
+  REQUIRE(test::execute(console, "enable").done);
   stop = true;
-  const auto stopped = console.execute("joint 2 15");
+  const auto stopped = test::execute(console, "joint 2 15");
   CHECK_FALSE(stopped.done);
   CHECK_THAT(stopped.text, Contains("stopped as asked; joints"));
-  CHECK_FALSE(console.execute("joint 2 15").done);
+  CHECK_FALSE(test::execute(console, "joint 2 15").done);
   stop = false;
-  CHECK(console.execute("joint 2 15").done);
+  CHECK(test::execute(console, "joint 2 15").done);
 }
 
 TEST_CASE("An exposure that the camera refuses is said and changes nothing") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   FailingCamera devices(cell);
   JogConsole console(read_calibrated_cell(cell), devices, "");
-  const auto answer = console.execute("exposure 1");
+  const auto answer = test::execute(console, "exposure 1");
   CHECK_FALSE(answer.done);
   CHECK(answer.text == "the camera refuses an exposure of 1 us");
 }
@@ -130,7 +148,7 @@ TEST_CASE("A typo, a wrong unit or a missing number moves nothing and says what 
   CHECK_THAT(bench.refused("x 1,5"), Contains("'1,5'; a finite number is needed"));
   CHECK_THAT(bench.refused("x nan"), Contains("a finite number is needed"));
   CHECK_THAT(bench.refused("y 10mm"), Contains("a finite number is needed"));
-  CHECK(bench.console.execute("").done);
+  CHECK(test::execute(bench.console, "").done);
 }
 
 TEST_CASE("Steps are bounded, whichever way they are asked for") {
@@ -264,17 +282,17 @@ TEST_CASE("A step along the line of one that was stopped returns to that line") 
   double stop_s = HUGE_VAL;
   JogConsole console(read_calibrated_cell(cell), *devices, "",
                      [&] { return devices->clock().now_s() > stop_s; });
-  REQUIRE(console.execute("enable").done);
-  for (int i = 0; i < 2; ++i) REQUIRE(console.execute("joint 2 15").done);
+  REQUIRE(test::execute(console, "enable").done);
+  for (int i = 0; i < 2; ++i) REQUIRE(test::execute(console, "joint 2 15").done);
   const Eigen::Vector2d begin = console.arm().tip().p;
   stop_s = devices->clock().now_s() + 0.1;
-  const auto cut = console.execute("x -40");
+  const auto cut = test::execute(console, "x -40");
   CHECK_FALSE(cut.done);
   CHECK_THAT(cut.text, Contains(" of 40.000 mm; joints"));
   const Eigen::Vector2d rest = console.arm().tip().p;
   REQUIRE(std::abs(rest.y() - begin.y()) > 0.05e-3);  // no motor has made the same share
   stop_s = HUGE_VAL;
-  CHECK(console.execute("x -5").done);
+  CHECK(test::execute(console, "x -5").done);
   CHECK(std::abs(console.arm().tip().p.y() - begin.y()) < 5e-6);
   CHECK(console.arm().tip().p.x() == Approx(rest.x() - 5e-3).margin(5e-6));
 }

@@ -149,11 +149,11 @@ TEST_CASE("In lines the best width is that since the last other command") {
   JogBench bench;
   LensCell cell(*bench.devices);
   JogConsole console(read_calibrated_cell(bench.cell), cell, "");
-  const auto focused = [&] { return figures_of(console.execute("focus").text); };
+  const auto focused = [&] { return figures_of(test::execute(console, "focus").text); };
   const FocusFigures sharp = focused();
   cell.lens.blur_px = 2.0;
   CHECK(focused().best == sharp.mean);
-  REQUIRE(console.execute("where").done);
+  REQUIRE(test::execute(console, "where").done);
   const FocusFigures anew = focused();
   CHECK(anew.best == anew.mean);
 }

@@ -29,7 +29,7 @@ struct TaughtBench : JogBench {
     folder.write("taught.csv", kTable);
     taught = std::make_unique<JogConsole>(read_calibrated_cell(cell), *devices,
                                           folder / "taught.csv", [this] { return stop; });
-    CHECK(taught->execute("enable").done);
+    CHECK(test::execute(*taught, "enable").done);
   }
   Joints joints() { return Transmission(cell.transmission).joints_from_pulses(pulses()); }
 };
@@ -40,7 +40,7 @@ TEST_CASE("A taught place is gone to, farther than a jog goes, and by name") {
   for (const auto& [line, p] : {std::pair("go near", Eigen::Vector2d(0.4, -0.28)),
                                 {"go far", {-0.4, 0.1}},
                                 {"go  point 1", {0.3, 0.3}}}) {
-    const auto answer = bench.taught->execute(line);
+    const auto answer = test::execute(*bench.taught, line);
     INFO(answer.text);
     REQUIRE(answer.done);
     CHECK_THAT(answer.text, Contains("by the links of the cell file: joints"));
@@ -55,7 +55,7 @@ TEST_CASE("With an arm that was found, a taught place is gone to by that arm") {
   CellSettings cell = read_cell(test::paper_cell_file());
   cell.arm_found = folder.write("arm.yaml", found_arm_text(found, {}, {}, "test"));
   TaughtBench bench(cell);
-  const auto answer = bench.taught->execute("go near");
+  const auto answer = test::execute(*bench.taught, "go near");
   REQUIRE(answer.done);
   CHECK_THAT(answer.text,
              Contains("moved to near, (400.000, -280.000) mm, by the arm that was found"));
@@ -66,7 +66,7 @@ TEST_CASE("With an arm that was found, a taught place is gone to by that arm") {
 TEST_CASE("An arm that the cell names and nobody has made leaves the links of the cell file") {
   CellSettings cell = read_cell(test::paper_cell_file());
   cell.arm_found = "absent/arm.yaml";
-  CHECK_THAT(TaughtBench(cell).taught->execute("go near").text, Contains("by the links"));
+  CHECK_THAT(test::execute(*TaughtBench(cell).taught, "go near").text, Contains("by the links"));
 }
 
 TEST_CASE(
@@ -74,10 +74,10 @@ TEST_CASE(
   CellSettings cell = read_cell(test::paper_cell_file());
   cell.workspace.keep_out.push_back({{0.0, -0.45}, 0.05});
   TaughtBench bench(cell);
-  REQUIRE(bench.taught->execute("go near").done);
+  REQUIRE(test::execute(*bench.taught, "go near").done);
   const Pulses before = bench.pulses();
   const auto refused = [&](const std::string& line) {
-    const auto answer = bench.taught->execute(line);
+    const auto answer = test::execute(*bench.taught, line);
     CHECK_FALSE(answer.done);
     CHECK(bench.pulses() == before);
     return answer.text;
@@ -94,18 +94,18 @@ TEST_CASE("Before enabling and without a table a way is refused by what leads on
   bench.done("teach a");
   CHECK_THAT(bench.refused("go a"), Contains("enable them first"));
   JogConsole without(read_calibrated_cell(bench.cell), *bench.devices, "");
-  CHECK_THAT(without.execute("go a").text, Contains("planar-jog takes one by --teach"));
+  CHECK_THAT(test::execute(without, "go a").text, Contains("planar-jog takes one by --teach"));
 }
 
 TEST_CASE("The way to a taught place can be stopped, and is gone to its end by the next command") {
   TaughtBench bench;
-  REQUIRE(bench.taught->execute("go near").done);
+  REQUIRE(test::execute(*bench.taught, "go near").done);
   bench.stop = true;
-  const auto stopped = bench.taught->execute("go far");
+  const auto stopped = test::execute(*bench.taught, "go far");
   CHECK_FALSE(stopped.done);
   CHECK_THAT(stopped.text, Contains("stopped as asked; joints"));
   bench.stop = false;
-  CHECK(bench.taught->execute("go far").done);
+  CHECK(test::execute(*bench.taught, "go far").done);
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ void check_question(const CellSettings& cell, const std::string& key, const std:
   const auto findings = question_values(cell);
   REQUIRE(findings.size() == 1);
   CHECK(findings[0].verdict == Finding::Verdict::kDoubtful);
-  CHECK(findings[0].subject == key);
-  CHECK_THAT(findings[0].what, Contains(value));
+  CHECK(findings[0].where == key);
+  CHECK_THAT(findings[0].fault, Contains(value));
   CHECK_FALSE(findings[0].remedy.empty());
 }
 
@@ -38,8 +38,8 @@ TEST_CASE("Links given in metres or tenths of millimetres are questioned, and wh
   cell.arm.geometry.link_lengths_m = {0.3e-3, 0.3e-3};
   const auto findings = question_values(cell);
   REQUIRE_FALSE(findings.empty());
-  CHECK(findings[0].subject == "arm.link_lengths_mm");
-  CHECK_THAT(findings[0].what, Contains("[0.3, 0.3]"));
+  CHECK(findings[0].where == "arm.link_lengths_mm");
+  CHECK_THAT(findings[0].fault, Contains("[0.3, 0.3]"));
   CHECK_THAT(findings[0].remedy, Contains("300 for 0.3 m"));
   cell.arm.geometry.link_lengths_m = {5.1, 0.3};
   cell.workspace.radius_max_m = 0.5;

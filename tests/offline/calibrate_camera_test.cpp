@@ -36,7 +36,7 @@ TEST_CASE("Pictures without the board or of another size are left out by name, n
       find_board_views({folder / "good.png", folder / "empty.png", folder / "small.png"}, kBoard);
   CHECK(views.problem.views.size() == 1);
   REQUIRE(views.rejected.size() == 2);
-  CHECK_THAT(views.rejected[0].name, Contains("empty.png"));
+  CHECK_THAT(views.rejected[0].id, Contains("empty.png"));
   CHECK_THAT(views.rejected[0].reason, Contains("no grid of 7 x 5 dots"));
   CHECK_THAT(views.rejected[1].reason, Contains("320 x 240"));
 }

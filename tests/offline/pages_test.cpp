@@ -35,8 +35,8 @@ void check_page(const std::string& page) {
 }
 
 bool has_fault(const Verdict& verdict, const std::string& words) {
-  for (const Verdict::Fault& fault : verdict.faults)
-    if (fault.what.find(words) != std::string::npos) return true;
+  for (const Refusal& fault : verdict.faults)
+    if (fault.fault.find(words) != std::string::npos) return true;
   return false;
 }
 
@@ -240,7 +240,7 @@ TEST_CASE("Pairs are judged by doubts and by how many were left out") {
   ours.report.doubts = {{"monument d1: it moved by 0.4 mm", "measure it again"}};
   const Verdict doubted = pair_verdict(ours.request, ours.report);
   REQUIRE(doubted.faults.size() == 1);
-  CHECK(doubted.faults[0].what == "monument d1: it moved by 0.4 mm");
+  CHECK(doubted.faults[0].fault == "monument d1: it moved by 0.4 mm");
   CHECK(doubted.faults[0].remedy == "measure it again");
   ours = paired();
   ours.report.rejected.assign(10, {"t", "why"});
@@ -310,7 +310,7 @@ TEST_CASE("A map that fails in gaps is said to help close to its places alone") 
   report.result.blocked.value = 1.25 * report.result.raw_rms;
   const Verdict verdict = map_verdict(report);
   CHECK(has_fault(verdict, "helps only close to its places"));
-  CHECK_THAT(verdict.faults[0].what, Contains("43 mm wide and has no place"));
+  CHECK_THAT(verdict.faults[0].fault, Contains("43 mm wide and has no place"));
   CHECK_THAT(verdict.faults[0].remedy, Contains("no such gap stays"));
 }
 

@@ -116,7 +116,7 @@ def try_bodies(console):
     console.refused(413, "POST", "/api/targets", b"x" * (2 << 20), says="1 MiB")
     for body in (b"", b"\xff\0", b"[1]", b"[" * 100000, b'{"line": 1}'):
         console.refused(400, "POST", "/api/command", body)
-    console.refused(400, "POST", "/api/command", {"line": "save /tmp/x.png"}, says="no command 'save'")
+    console.refused(400, "POST", "/api/command", {"line": "save /tmp/x.png"}, says="no command 'save' here")
     console.refused(400, "POST", "/api/targets", {"csv": "id,x_mm,y_mm\nA,1\nB,x,1\n"}, says="has 2 fields")
     console.refused(400, "GET", "/api/place?x_mm=nan&y_mm=1")
     place = {"x_mm": 150, "y_mm": 100}

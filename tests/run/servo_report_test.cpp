@@ -102,7 +102,7 @@ TEST_CASE("A run in which targets were not reached is said to be one") {
   const ServoFigures figures = figures_of({reached("a", 1e-3, 1e-5), missed});
   const auto faults = run_faults(figures, "results.csv");
   REQUIRE(faults.size() == 1);
-  CHECK(faults[0].what == "1 of 2 targets were not reached");
+  CHECK(faults[0].fault == "1 of 2 targets were not reached");
   CHECK(faults[0].remedy == "results.csv has the reason of each");
 }
 

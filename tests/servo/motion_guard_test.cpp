@@ -68,7 +68,7 @@ TEST_CASE("Each contradiction is doubted in its own words") {
     fault.cause(look.measurement);
     const auto found = doubt(narrow_limits(), look, nullptr);
     REQUIRE(found);
-    CHECK_THAT(found->refusal.text(), Catch::Contains(fault.words));
+    CHECK_THAT(found->text(), Catch::Contains(fault.words));
     CHECK(found->of_cell == fault.of_cell);
   }
 }
@@ -99,7 +99,7 @@ TEST_CASE("A light that does not follow the command is doubted, a motion with pl
   const auto still = doubt(narrow_limits(), look, &before);
   REQUIRE(still);
   CHECK(still->of_cell);
-  CHECK_THAT(still->refusal.text(), Catch::Contains("they differ by 1.000 mm"));
+  CHECK_THAT(still->text(), Catch::Contains("they differ by 1.000 mm"));
   look.measurement.tip.p.x() += 0.95e-3;  // 0.05 mm of play
   CHECK_FALSE(doubt(narrow_limits(), look, &before));
 }

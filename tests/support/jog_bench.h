@@ -13,6 +13,23 @@
 
 namespace planar::test {
 
+struct JogAnswer {
+  bool done{true};
+  std::string text;
+};
+
+/// Performs a line; its fault becomes the answer.
+inline JogAnswer execute(JogConsole& console, const std::string& line) {
+  try {
+    const auto command = parse_arm_command(line);
+    return {true, command ? console.perform(*command) : ""};
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  } catch (const WorkError& error) {
+    return {false, error.what()};
+  }
+}
+
 /// A cell that is jogged: by default the paper's, whose vision is not calibrated.
 struct JogBench {
   TemporaryFolder folder;
@@ -34,7 +51,7 @@ struct JogBench {
     return all;
   }
   std::string done(const std::string& line) {
-    const auto answer = console.execute(line);
+    const auto answer = execute(console, line);
     INFO(line << " -> " << answer.text);
     CHECK(answer.done);
     return answer.text;
@@ -42,7 +59,7 @@ struct JogBench {
   /// Refused, and nothing has moved.
   std::string refused(const std::string& line) {
     const Pulses before = pulses();
-    const auto answer = console.execute(line);
+    const auto answer = execute(console, line);
     INFO(line << " -> " << answer.text);
     CHECK_FALSE(answer.done);
     CHECK(pulses() == before);

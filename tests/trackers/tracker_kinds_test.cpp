@@ -65,10 +65,10 @@ TEST_CASE("The doctor says of a tracker's file whether it is there, grows, is re
   const test::TemporaryFolder folder;
   const CellSettings cell = cell_with(folder, "source: file, path: s.csv");
   CHECK(examined(cell).verdict == Verdict::kFaulty);
-  CHECK_THAT(examined(cell).what, Contains("s.csv: cannot be read"));
+  CHECK_THAT(examined(cell).fault, Contains("s.csv: cannot be read"));
   const auto file = folder.write("s.csv", "x_mm,y_mm,z_mm\n");
   CHECK(examined(cell).verdict == Verdict::kDoubtful);
-  CHECK_THAT(examined(cell).what, Contains("no line came"));
+  CHECK_THAT(examined(cell).fault, Contains("no line came"));
 }
 
 TEST_CASE("The doctor says of a tracker's port whether it answers, is read and plausible") {
@@ -90,7 +90,7 @@ TEST_CASE("The doctor says of a tracker's port whether it answers, is read and p
   CHECK_THAT(served("2.5,0.2,0.3\n").remedy, Contains("unit: m"));
   CHECK_THAT(served("2500100,2,3\n").remedy, Contains("millimetres"));
   CHECK(served("2500;20;30\n").verdict == Verdict::kFaulty);
-  CHECK_THAT(served("").what, Contains("no line came"));
+  CHECK_THAT(served("").fault, Contains("no line came"));
 }
 
 TEST_CASE("A cell whose tracker cannot be heard is not opened") {

@@ -138,7 +138,7 @@ TEST_CASE("Looks that neither arm nor field explain are a doubt, with and withou
   }
   REQUIRE(found.doubt());
   CHECK(found.doubt()->of_cell);
-  CHECK(found.doubt()->refusal.fault.find("0.5") != std::string::npos);
+  CHECK(found.doubt()->fault.find("0.5") != std::string::npos);
   CHECK(learning.doubt());
 }
 

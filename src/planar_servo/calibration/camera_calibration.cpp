@@ -95,7 +95,7 @@ void check(const CalibrationProblem& problem, const CalibrationModels& models) {
 class Calibrator {
  public:
   Calibrator(const CalibrationProblem& problem, const CalibrationModel& model,
-             const std::vector<RejectedView>& rejected)
+             const std::vector<Rejection>& rejected)
       : views_(problem.views), problem_(problem), model_(model), rejected_(rejected) {
     fit();
     reject_outlying_views();
@@ -112,7 +112,7 @@ class Calibrator {
 
   const std::vector<CalibrationView>& views() const { return views_; }
   const LensFit& lens() const { return lens_; }
-  const std::vector<RejectedView>& rejected() const { return rejected_; }
+  const std::vector<Rejection>& rejected() const { return rejected_; }
   double dot_diameter() const { return dot_diameter_; }
 
   /// Returns the mean square distance in each view when the camera was fitted without it; empty
@@ -202,7 +202,7 @@ class Calibrator {
   std::vector<CalibrationView> views_;
   const CalibrationProblem& problem_;
   const CalibrationModel& model_;
-  std::vector<RejectedView> rejected_;
+  std::vector<Rejection> rejected_;
   LensFit lens_;
   double dot_diameter_{0.0};
 };
@@ -230,8 +230,7 @@ struct ChosenModel {
   std::vector<CameraModel> as_good{};
 };
 
-ChosenModel choose_model(const CalibrationProblem& problem,
-                         const std::vector<RejectedView>& rejected,
+ChosenModel choose_model(const CalibrationProblem& problem, const std::vector<Rejection>& rejected,
                          const CalibrationModels& models) {
   // Views are judged once, by a model that fits most lenses, so that all models are compared on the
   // same ones.
@@ -335,11 +334,11 @@ std::vector<std::string> calibration_model_names(const CalibrationModels& models
 }
 
 CameraCalibration calibrate_camera(const CalibrationProblem& problem,
-                                   const std::vector<RejectedView>& without_board,
+                                   const std::vector<Rejection>& without_board,
                                    const CalibrationModels& models) {
   check(problem, models);
   CalibrationProblem distinct = problem;
-  std::vector<RejectedView> rejected = without_board;
+  std::vector<Rejection> rejected = without_board;
   drop_repeated_views(distinct.views, rejected);
   CameraCalibration result;
   const ChosenModel chosen = problem.model == kAuto ? choose_model(distinct, rejected, models)

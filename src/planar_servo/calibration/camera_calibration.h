@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/camera/camera_uncertainty.h"
 #include "planar_servo/geometry/lens/lens_models.h"
@@ -37,11 +38,6 @@ struct CalibratedView {
   std::vector<Eigen::Vector2d> residuals_px;  ///< seen minus predicted, one per pixel
 };
 
-struct RejectedView {
-  std::string name;
-  std::string reason;
-};
-
 struct CameraCalibration {
   CameraModel camera;
   std::string model;    ///< the name asked for, or the one that `auto` chose
@@ -53,7 +49,7 @@ struct CameraCalibration {
   /// that were fixed at zero.
   std::vector<double> standard_deviations;
   std::vector<CalibratedView> views;
-  std::vector<RejectedView> rejected;
+  std::vector<Rejection> rejected;
   /// Over views left out of the fit, for which only their own poses were fitted; empty when the
   /// remaining views do not determine the camera, or none was to be left out.
   std::optional<double> held_out_rms_px;
@@ -84,7 +80,7 @@ std::vector<std::string> calibration_model_names(
 /// pixels, numbers that are not finite, or more than 256 views for `visp`; WorkError when the fit
 /// does not converge or the views do not determine the camera.
 CameraCalibration calibrate_camera(const CalibrationProblem& problem,
-                                   const std::vector<RejectedView>& without_board = {},
+                                   const std::vector<Rejection>& without_board = {},
                                    const CalibrationModels& models = calibration_models());
 
 }  // namespace planar

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/purpose.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 
@@ -25,12 +26,6 @@ struct ToolSight : PoseSight {
   double sigma_tracker{0.0};                     ///< per axis, metres
 
   static constexpr int kNoSweep = -1;
-};
-
-/// Something that was left out, and why.
-struct Rejection {
-  std::string id;
-  std::string reason;
 };
 
 /// The lamps in one frame.

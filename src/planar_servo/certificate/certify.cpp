@@ -194,7 +194,7 @@ std::vector<std::string> accepted_words(const CertificateRequest& request) {
   if (!request.servo.accept_stale) require_belonging(cell.stale);
   std::vector<std::string> words;
   words.reserve(cell.stale.size());
-  for (const StaleFile& file : cell.stale) words.push_back(file.refusal.text());
+  for (const StaleFile& file : cell.stale) words.push_back(file.text());
   if (const auto map = accept_map(cell, request.servo.accept_map))
     words.push_back(cell.settings.error_map.string() + ": " + *map);
   return words;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "planar_servo/console/picture_watch.h"
@@ -17,37 +17,13 @@ constexpr double kLookEvery_s = 0.2;
 /// Pictures are taken so long after somebody has asked for one or for the state.
 constexpr double kWatchedFor_s = 5.0;
 constexpr double kForever = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostLine = 200;
 
-struct Verb {
-  const char* name;
-  Doing doing;
-  bool is_held;  ///< whether it moves only as long as somebody holds it
-};
-
-/// The commands of JogConsole that a page may give; `save` writes files anywhere.
-constexpr Verb kVerbs[] = {{"enable", Doing::kMoving, false}, {"home", Doing::kHoming, false},
-                           {"mark", Doing::kMoving, false},   {"joint", Doing::kMoving, true},
-                           {"x", Doing::kMoving, true},       {"y", Doing::kMoving, true},
-                           {"go", Doing::kMoving, false},     {"where", Doing::kLooking, false},
-                           {"look", Doing::kLooking, false},  {"find", Doing::kLooking, false},
-                           {"focus", Doing::kLooking, false}, {"exposure", Doing::kLooking, false},
-                           {"teach", Doing::kLooking, false}};
-
-const Verb& verb_of(const std::string& line) {
-  if (line.size() > kMostLine || std::any_of(line.begin(), line.end(), [](char c) {
-        return static_cast<unsigned char>(c) < ' ';
-      }))
-    throw InputError({"is no command",
-                      fmt::format("send one line of at most {} characters", kMostLine), "line"});
-  std::string word;
-  std::istringstream(line) >> word;
-  for (const Verb& verb : kVerbs)
-    if (word == verb.name) return verb;
-  std::vector<std::string> names;
-  for (const Verb& verb : kVerbs) names.emplace_back(verb.name);
-  throw InputError({fmt::format("there is no command '{}'", word),
-                    fmt::format("there are {}", fmt::join(names, ", ")), "line"});
+Doing doing_of(const ArmCommand& command) {
+  const auto is = [&](auto kind) { return std::holds_alternative<decltype(kind)>(command); };
+  if (is(HomeCommand{})) return Doing::kHoming;
+  const bool moves = is(EnableCommand{}) || is(MarkCommand{}) || is(TurnCommand{}) ||
+                     is(StepCommand{}) || is(GoCommand{});
+  return moves ? Doing::kMoving : Doing::kLooking;
 }
 
 /// Returns whether the arm stands and waits while the camera fails.
@@ -55,8 +31,8 @@ bool is_guarded_by_camera(Doing doing) {
   return doing == Doing::kRunning || doing == Doing::kRecording || doing == Doing::kChecking;
 }
 
-std::string sentence_of(const Verb& verb, const std::string& line) {
-  return fmt::format("{}: {}", name_in(kDoings, verb.doing), line);
+std::string sentence_of(const ArmCommand& command, const std::string& words) {
+  return fmt::format("{}: {}", name_in(kDoings, doing_of(command)), words);
 }
 
 }  // namespace
@@ -103,31 +79,43 @@ CellWorker::~CellWorker() {
   thread_.join();
 }
 
-JogConsole::Answer CellWorker::command(const std::string& line, StopsKnown known) {
-  const Verb& verb = verb_of(line);
-  JogConsole::Answer answer{false, "was stopped before it began"};
-  const auto task = post(verb.doing, sentence_of(verb, line), known, [this, line, &answer] {
-    if (line.rfind("focus", 0) == 0) pictures_.forget_best();
-    answer = jog_->execute(line);
+std::string CellWorker::command(const ArmCommand& command, const std::string& words,
+                                StopsKnown known) {
+  std::string answer;
+  std::exception_ptr fault = std::make_exception_ptr(StopRequested("was stopped before it began"));
+  const auto task = post(doing_of(command), sentence_of(command, words), known, [&] {
+    if (std::holds_alternative<FocusCommand>(command)) pictures_.forget_best();
+    fault = nullptr;
+    try {
+      answer = jog_->perform(command);
+      board_.tell_line("info", answer);
+    } catch (const std::exception& error) {
+      board_.tell_line("error", error.what());
+      fault = std::current_exception();
+    }
   });
   std::unique_lock<std::mutex> lock(mutex_);
   changed_.wait(lock, [&] { return task_ != task; });
-  board_.tell_line(answer.done ? "info" : "error", answer.text);
+  if (fault) std::rethrow_exception(fault);
   return answer;
 }
 
-std::uint64_t CellWorker::hold(const std::string& line, StopsKnown known) {
-  const Verb& verb = verb_of(line);
-  if (!verb.is_held)
-    throw InputError({fmt::format("'{}' is not held", line), "hold joint, x or y", "line"});
+std::uint64_t CellWorker::hold(const ArmCommand& command, const std::string& words,
+                               StopsKnown known) {
+  if (!std::holds_alternative<TurnCommand>(command) &&
+      !std::holds_alternative<StepCommand>(command))
+    throw InputError({fmt::format("'{}' is not held", words), "hold joint, x or y", "line"});
   constexpr bool kHeld = true;
   const auto task = post(
-      verb.doing, sentence_of(verb, line), known,
-      [this, line] {
-        const JogConsole::Answer answer = jog_->execute(line);
-        const bool lost = clock_.now_s() > performed_->held_until_s && !performed_->stopped;
-        board_.tell_line(answer.done ? "info" : "warning",
-                         (lost ? "nobody holds the arm any more: " : "") + answer.text);
+      doing_of(command), sentence_of(command, words), known,
+      [this, command] {
+        try {
+          board_.tell_line("info", jog_->perform(command));
+        } catch (const std::exception& error) {
+          const bool lost = clock_.now_s() > performed_->held_until_s && !performed_->stopped;
+          board_.tell_line("warning", (lost ? "nobody holds the arm any more: " : "") +
+                                          std::string(error.what()));
+        }
       },
       kHeld);
   return task->begun;

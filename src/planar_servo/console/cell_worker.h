@@ -41,13 +41,13 @@ class CellWorker {
   CellWorker(const CellWorker&) = delete;
   CellWorker& operator=(const CellWorker&) = delete;
 
-  /// Executes a line of JogConsole and returns its answer. Throws CellBusy while another task is
+  /// Performs a command of these words as JogConsole does. Throws CellBusy while another task is
   /// not done.
-  JogConsole::Answer command(const std::string& line, StopsKnown known);
-  /// Begins a line that moves the arm as long as keep() is called every kHold_s; then it slows down
-  /// to rest. Returns the number of the first state that says so. Throws as command() does, and
-  /// InputError for a line that moves nothing.
-  std::uint64_t hold(const std::string& line, StopsKnown known);
+  std::string command(const ArmCommand& command, const std::string& words, StopsKnown known);
+  /// Begins a command that moves the arm as long as keep() is called every kHold_s; then it slows
+  /// down to rest. Returns the number of the first state that says so. Throws as command() does,
+  /// and InputError for a command that moves no joint and no end point.
+  std::uint64_t hold(const ArmCommand& command, const std::string& words, StopsKnown known);
   /// Says that whoever holds the arm is still there. Returns false when nothing is held.
   bool keep();
   static constexpr double kHold_s{0.2};

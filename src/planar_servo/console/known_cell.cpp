@@ -81,7 +81,7 @@ std::vector<Refusal> KnownCell::doubts() const {
   try {
     const CalibratedCell now = read_calibrated_cell(settings(), fs::exists(settings().error_map));
     for (const StaleFile& stale : now.stale)
-      doubts.push_back(stale.refusal.at(stale.path.filename().string()));
+      doubts.push_back(stale.at(stale.path.filename().string()));
     if (auto doubt = foresee_check(now).doubt) doubts.push_back(std::move(*doubt));
   } catch (const InputError& e) {
     doubts = e.refusals();

@@ -18,7 +18,7 @@ std::vector<StaleFile> missing_files(const CellSettings& cell, bool with_error_m
     try {
       require_made(file, program);
     } catch (const InputError& e) {
-      missing.push_back({file, e.refusal()});
+      missing.push_back({e.refusal(), file});
     }
   };
   for (const MadeFile& file : calibration_files(cell, with_error_map))
@@ -66,7 +66,7 @@ void require_calibrated(const CalibratedCell& cell) {
 
 void require_arm(const CalibratedCell& cell) {
   for (const StaleFile& file : cell.missing)
-    if (file.path == cell.settings.arm_found) throw InputError(file.refusal);
+    if (file.path == cell.settings.arm_found) throw InputError(file);
 }
 
 void require_checkable(const CalibratedCell& cell) {

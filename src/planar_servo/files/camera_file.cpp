@@ -67,7 +67,7 @@ std::string camera_yaml(const CameraCalibration& calibration, const std::string&
                         const std::vector<std::filesystem::path>& inputs) {
   std::vector<std::string> used, rejected;
   for (const auto& view : calibration.views) used.push_back(file_name(view.name));
-  for (const auto& view : calibration.rejected) rejected.push_back(file_name(view.name));
+  for (const Rejection& view : calibration.rejected) rejected.push_back(file_name(view.id));
   YamlWriter writer("camera", program);
   writer.add_inputs(input_records(inputs))
       .add("image_width", calibration.width_px)

@@ -256,7 +256,7 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
         known.emplace_back(origin, "that of " + file.path.filename().string());
       else if (same_role->first.sha256 != origin.sha256)
         found.push_back(
-            {file.path, contradiction(file, origin, same_role->second, same_role->first)});
+            {contradiction(file, origin, same_role->second, same_role->first), file.path});
     }
   }
   return found;
@@ -275,7 +275,7 @@ std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map
 
 void require_belonging(const std::vector<StaleFile>& stale) {
   Faults faults;
-  for (const StaleFile& file : stale) faults.add(file.refusal);
+  for (const StaleFile& file : stale) faults.add(file);
   faults.throw_if_any();
 }
 
@@ -283,7 +283,7 @@ std::vector<std::string> accept_stale(const std::vector<StaleFile>& stale, bool 
   if (!accepted) require_belonging(stale);
   std::vector<std::string> texts;
   texts.reserve(stale.size());
-  for (const StaleFile& file : stale) texts.push_back(file.refusal.text());
+  for (const StaleFile& file : stale) texts.push_back(file.text());
   for (const std::string& text : texts) spdlog::warn("accepted: " + text);
   return texts;
 }

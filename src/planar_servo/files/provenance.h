@@ -113,9 +113,8 @@ std::string with_row_hash(const std::string& table);
 bool has_changed_rows(const std::filesystem::path& table);
 
 /// Names a file that does not belong to the others, and why.
-struct StaleFile {
+struct StaleFile : Refusal {
   std::filesystem::path path;
-  Refusal refusal;
 };
 
 /// Returns a refusal for every origin of these files that differs from what is `present`, or from

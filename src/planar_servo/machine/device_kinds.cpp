@@ -100,7 +100,7 @@ class VirtualCameraKind final : public CameraKind {
     return {world, &world->camera()};
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
-    return {{Finding::Verdict::kWell, "camera", kVirtual}};
+    return {{{kVirtual, "", "camera"}, Finding::Verdict::kWell}};
   }
 };
 
@@ -124,7 +124,7 @@ class VirtualDriveKind final : public DriveKind {
   std::vector<Finding> examine(const CellSettings& cell) const override {
     std::vector<Finding> findings;
     for (std::size_t i = 1; i <= cell.drives.size(); ++i)
-      findings.push_back({Finding::Verdict::kWell, fmt::format("drive {}", i), kVirtual});
+      findings.push_back({{kVirtual, "", fmt::format("drive {}", i)}, Finding::Verdict::kWell});
     return findings;
   }
 };
@@ -138,7 +138,7 @@ class VirtualTrackerKind final : public TrackerKind {
     return {world, &world->tracker()};
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
-    return {{Finding::Verdict::kWell, "tracker", kVirtual}};
+    return {{{kVirtual, "", "tracker"}, Finding::Verdict::kWell}};
   }
 };
 
@@ -152,8 +152,9 @@ class NoTrackerKind final : public TrackerKind {
     return std::make_shared<NoTracker>();
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
-    return {{Finding::Verdict::kWell, "tracker",
-             "there is none (tracker.source); planar-record takes poses and board views only"}};
+    return {{{"there is none (tracker.source); planar-record takes poses and board views only", "",
+              "tracker"},
+             Finding::Verdict::kWell}};
   }
 };
 
@@ -169,7 +170,7 @@ class FilesKind final : public CameraKind {
     throw InputError(refusal()->at(cell.file));
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
-    return {{Finding::Verdict::kDoubtful, "camera", kNoCamera, kRemedy}};
+    return {{{kNoCamera, kRemedy, "camera"}, Finding::Verdict::kDoubtful}};
   }
 };
 

@@ -25,7 +25,7 @@ constexpr double kLeastShare = 0.01;
 constexpr double kLeastObstacle_m = 1.0 * kMillimetre;
 
 Finding question(const std::string& key, const std::string& what, const std::string& remedy) {
-  return {Finding::Verdict::kDoubtful, key, what, remedy};
+  return {{what, remedy, key}, Finding::Verdict::kDoubtful};
 }
 
 std::vector<Finding> question_links(const Eigen::Vector2d& lengths_m) {
@@ -267,8 +267,7 @@ std::vector<Finding> question_values(const CellSettings& cell) {
 }
 
 void warn_of_values(const CellSettings& cell) {
-  for (const Finding& doubt : question_values(cell))
-    spdlog::warn(Refusal{doubt.what, doubt.remedy, doubt.subject}.at(cell.file).text());
+  for (const Finding& doubt : question_values(cell)) spdlog::warn(doubt.at(cell.file).text());
 }
 
 }  // namespace planar

@@ -24,7 +24,7 @@ BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px
 /// Holds what the pictures of a board gave for a calibration.
 struct BoardViews {
   CalibrationProblem problem;
-  std::vector<RejectedView> rejected;         ///< pictures without the board
+  std::vector<Rejection> rejected;            ///< pictures without the board
   std::vector<std::filesystem::path> inputs;  ///< the pictures and the tables that list them
 };
 

@@ -329,8 +329,8 @@ ReportList calibration_list(const CameraCalibration& found) {
   ReportList list;
   list.line("images used", "{images_used} ({images_rejected} rejected)", found.views.size(),
             found.rejected.size());
-  const auto list_rejected = [](ReportList& row, const RejectedView& rejected) {
-    row.line("picture", "{image}", rejected.name);
+  const auto list_rejected = [](ReportList& row, const Rejection& rejected) {
+    row.line("picture", "{image}", rejected.id);
     row.line("why", "{reason}", rejected.reason);
   };
   list.rows("rejected", found.rejected, list_rejected, "  ");

@@ -124,8 +124,8 @@ void HtmlPage::add_paragraph(const std::string& text) {
 
 void HtmlPage::add_verdict(const Verdict& verdict) {
   std::string sentence, remedies;
-  for (const Verdict::Fault& fault : verdict.faults) {
-    sentence += (sentence.empty() ? "" : "; ") + fault.what;
+  for (const Refusal& fault : verdict.faults) {
+    sentence += (sentence.empty() ? "" : "; ") + fault.fault;
     remedies += fmt::format("<li>{}.</li>", flowing(fault.remedy));
   }
   const bool good = verdict.faults.empty();

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
+
 namespace planar {
 
 /// Replaces `&`, `<`, `>` and quotes by HTML entities.
@@ -12,13 +14,8 @@ std::string html_escaped(const std::string& text);
 
 /// Says in one sentence whether a result is good, and what to do where it is not.
 struct Verdict {
-  struct Fault {
-    std::string what;    ///< a clause without a full stop
-    std::string remedy;  ///< a clause without a full stop
-  };
-
   std::string good;  ///< what is said when there is no fault; a clause without a full stop
-  std::vector<Fault> faults{};
+  std::vector<Refusal> faults{};  ///< clauses without a full stop
   std::string found{};  ///< said in either case, such as an accuracy; sentences but the last stop
 };
 

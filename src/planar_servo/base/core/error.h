@@ -26,6 +26,12 @@ struct Refusal {
   }
 };
 
+/// A row, view or place that was left out, and why.
+struct Rejection {
+  std::string id;
+  std::string reason;
+};
+
 /// Reports wrong usage or input: a file, an option or an argument that breaks a rule. Programs exit
 /// with status 2. Each refusal says what is wrong, where, the value, the rule and the remedy.
 class InputError : public std::runtime_error {

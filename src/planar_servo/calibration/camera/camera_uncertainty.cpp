@@ -230,7 +230,7 @@ PlaneError plane_error(const CameraModel& camera, const CameraUncertainty& uncer
   return error;
 }
 
-void drop_repeated_views(std::vector<CalibrationView>& views, std::vector<RejectedView>& rejected) {
+void drop_repeated_views(std::vector<CalibrationView>& views, std::vector<Rejection>& rejected) {
   std::vector<CalibrationView> distinct;
   for (CalibrationView& view : views) {
     const auto other =

@@ -79,6 +79,6 @@ std::optional<Eigen::MatrixXd> visp_covariance(const LensFit& fit,
 /// another when it shows the same points and their pixels are closer (root mean square) than three
 /// times the noise of these distances, as in two photographs of a board at rest. The noise is what
 /// the best small motion of the board, which is smooth, leaves of the distances.
-void drop_repeated_views(std::vector<CalibrationView>& views, std::vector<RejectedView>& rejected);
+void drop_repeated_views(std::vector<CalibrationView>& views, std::vector<Rejection>& rejected);
 
 }  // namespace planar

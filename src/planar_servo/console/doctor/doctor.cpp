@@ -61,11 +61,12 @@ std::vector<Finding> question_field(const CellSettings& cell, const Workplane& w
   const double percent =
       100.0 * static_cast<double>(unseen.size()) / static_cast<double>(places.size());
   const Eigen::Vector2d example_mm = unseen.front() / kMillimetre;
-  return {{Finding::Verdict::kDoubtful, kSubject,
-           fmt::format("the camera does not see {:.0f} % of the places that workspace and joints "
-                       "allow, such as ({:.0f}, {:.0f}) mm",
-                       std::ceil(percent), example_mm.x(), example_mm.y()),
-           "make workspace.radius_max_mm smaller, or raise the camera and calibrate again"}};
+  return {
+      {{fmt::format("the camera does not see {:.0f} % of the places that workspace and joints "
+                    "allow, such as ({:.0f}, {:.0f}) mm",
+                    std::ceil(percent), example_mm.x(), example_mm.y()),
+        "make workspace.radius_max_mm smaller, or raise the camera and calibrate again", kSubject},
+       Finding::Verdict::kDoubtful}};
 }
 
 using Verdict = Finding::Verdict;
@@ -82,9 +83,9 @@ std::string origin_text(const std::filesystem::path& file) {
 Finding examine_file(const MadeFile& file, bool is_stale) {
   const std::string name = file.path.filename().string();
   if (!std::filesystem::exists(file.path))
-    return {Verdict::kWell, name,
-            fmt::format("does not exist yet; {} makes it", program_for(file.role))};
-  return {is_stale ? Verdict::kFaulty : Verdict::kWell, name, origin_text(file.path)};
+    return {{fmt::format("does not exist yet; {} makes it", program_for(file.role)), "", name},
+            Verdict::kWell};
+  return {{origin_text(file.path), "", name}, is_stale ? Verdict::kFaulty : Verdict::kWell};
 }
 
 /// Reads a file as the programs that use it do, which throws InputError where they would. Some
@@ -127,8 +128,8 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
         name, *against,
         "record more places and fit again; planar-servo moves by it only with --accept-map")};
   } catch (const InputError& error) {
-    return {{Verdict::kFaulty, name, error.what(),
-             fmt::format("make it again with {}", program_for(file.role))}};
+    return {{{error.what(), fmt::format("make it again with {}", program_for(file.role)), name},
+             Verdict::kFaulty}};
   }
 }
 
@@ -144,12 +145,13 @@ std::vector<Finding> question_installations(const fs::path& own, const std::stri
   others.erase(std::remove(others.begin(), others.end(), own.string()), others.end());
   if (others.empty()) return {};
   return {
-      {Finding::Verdict::kDoubtful, "programs",
-       fmt::format("this is {}, but PATH also finds {}: without a folder a command may start a "
-                   "program of another version",
-                   own.string(), fmt::join(others, " and ")),
-       "name the folder in each command, or remove one: apt remove planar-servo removes the "
-       "package, and what a checkout installed is listed in build/release/install_manifest.txt"}};
+      {{fmt::format("this is {}, but PATH also finds {}: without a folder a command may start a "
+                    "program of another version",
+                    own.string(), fmt::join(others, " and ")),
+        "name the folder in each command, or remove one: apt remove planar-servo removes the "
+        "package, and what a checkout installed is listed in build/release/install_manifest.txt",
+        "programs"},
+       Finding::Verdict::kDoubtful}};
 }
 
 std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell) {
@@ -168,7 +170,7 @@ std::vector<Finding> examine_files(const CellSettings& cell) {
     std::vector<Finding> reasons = examine_content(cell, file);
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path)
-        reasons.push_back(faulty(file.path.filename().string(), stale.refusal));
+        reasons.push_back(faulty(file.path.filename().string(), stale));
     findings.push_back(examine_file(file, !reasons.empty()));
     findings.insert(findings.end(), reasons.begin(), reasons.end());
   }
@@ -180,8 +182,8 @@ std::vector<Finding> question_camera_field(const CellSettings& cell) {
   try {
     return question_field(cell, {read_cell_camera(cell), read_workplane(cell.workplane).X_WC});
   } catch (const InputError& error) {
-    return {{Finding::Verdict::kFaulty, kSubject, error.what(),
-             "make the file again, or name another one in the cell file"}};
+    return {{{error.what(), "make the file again, or name another one in the cell file", kSubject},
+             Finding::Verdict::kFaulty}};
   }
 }
 
@@ -189,7 +191,7 @@ std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
   const CellSettings cell = read_cell(cell_file);
   require_devices(cell);
   std::vector<Finding> findings{
-      {Finding::Verdict::kWell, "cell file", cell_file.string() + " is in order"}};
+      {{cell_file.string() + " is in order", "", "cell file"}, Finding::Verdict::kWell}};
   for (Finding& finding : question_values(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : examine_files(cell)) findings.push_back(std::move(finding));
   if (is_sound(findings))
@@ -210,8 +212,8 @@ bool is_sound(const std::vector<Finding>& findings) {
 std::string findings_text(const std::vector<Finding>& findings) {
   std::string text;
   for (const Finding& finding : findings) {
-    text += fmt::format("{:9} {}: {}\n", name_in(kVerdicts, finding.verdict), finding.subject,
-                        finding.what);
+    text += fmt::format("{:9} {}: {}\n", name_in(kVerdicts, finding.verdict), finding.where,
+                        finding.fault);
     if (!finding.remedy.empty()) text += fmt::format("          -> {}\n", finding.remedy);
   }
   return text;
@@ -221,8 +223,8 @@ nlohmann::json findings_json(const std::vector<Finding>& findings) {
   nlohmann::json rows = nlohmann::json::array();
   for (const Finding& finding : findings)
     rows.push_back({{"verdict", name_in(kVerdicts, finding.verdict)},
-                    {"subject", finding.subject},
-                    {"what", finding.what},
+                    {"subject", finding.where},
+                    {"what", finding.fault},
                     {"remedy", finding.remedy}});
   return {{"findings", rows}};
 }

@@ -48,7 +48,7 @@ WorkStep cell_step(const WorkFiles& work) {
   Reason reason;
   for (const Finding& finding : question_values(work.cell()))
     if (finding.verdict == Finding::Verdict::kFaulty)
-      reason = fmt::format("{}; {}", finding.what, finding.remedy);
+      reason = fmt::format("{}; {}", finding.fault, finding.remedy);
   return step("cell file", reason, work.cell().file.string() + " is in order",
               command(work, "planar-doctor", ""));
 }

@@ -72,20 +72,20 @@ std::optional<std::string> WorkFiles::reason_of(const std::vector<fs::path>& fil
   for (const fs::path& file : files) {
     if (!fs::exists(file)) return file.string() + " does not exist yet";
     for (const Finding& finding : findings_)
-      if (finding.subject == file.filename().string() &&
+      if (finding.where == file.filename().string() &&
           finding.verdict == Finding::Verdict::kFaulty && !finding.remedy.empty())
-        return fmt::format("{}; {}", finding.what, finding.remedy);
+        return fmt::format("{}; {}", finding.fault, finding.remedy);
     for (const StaleFile& stale : stale_)
-      if (stale.path == file) return stale.refusal.text();
+      if (stale.path == file) return stale.text();
   }
   return std::nullopt;
 }
 
 std::string WorkFiles::description(const fs::path& file) const {
   for (const Finding& finding : findings_)
-    if (finding.subject == file.filename().string())
+    if (finding.where == file.filename().string())
       return fmt::format("{}, {}", file.string(),
-                         finding.what.substr(0, finding.what.find(" from ")));
+                         finding.fault.substr(0, finding.fault.find(" from ")));
   return fs::exists(file) ? file.string() : "all that is made from it is there";
 }
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/console/doctor/next_step.h"
@@ -52,6 +52,23 @@ int whole_or(const nlohmann::ordered_json& body, const char* key, int otherwise)
   throw InputError({fmt::format("is {}", value.dump()), "a whole number is needed", key});
 }
 
+constexpr std::size_t kMostLine = 200;
+
+/// Returns the command of a body's line, and its words.
+std::pair<ArmCommand, std::string> command_in(const nlohmann::ordered_json& body) {
+  auto line = member<std::string>(body, "line");
+  const bool is_line = line.size() <= kMostLine &&
+                       std::all_of(line.begin(), line.end(),
+                                   [](char c) { return static_cast<unsigned char>(c) >= ' '; });
+  const auto command = is_line ? parse_arm_command(line) : std::nullopt;
+  if (!command)
+    throw InputError({"is no command",
+                      fmt::format("send one line of at most {} characters", kMostLine), "line"});
+  if (std::holds_alternative<SaveCommand>(*command))
+    throw InputError({"there is no command 'save' here", "get /api/picture.jpg", "line"});
+  return {*command, std::move(line)};
+}
+
 }  // namespace
 
 void ConsoleOrders::follow_events(const std::string& client, int pages) {
@@ -91,21 +108,24 @@ ConsoleOrders::Json ConsoleOrders::stop() {
 }
 
 ConsoleOrders::Json ConsoleOrders::command(const Json& body, const Sender& sender) {
-  const auto line = member<std::string>(body, "line");
+  const auto [command, line] = command_in(body);
   require_floor(sender.client);
-  const JogConsole::Answer answer = worker_.command(line, sender.stops);
-  std::istringstream words(line);
-  std::string verb, id;
-  words >> verb >> id;
-  if (verb == "home" || verb == "mark") jobs_.places.forget_check();
-  if (verb == "teach" && answer.done) jobs_.places.take_taught(id);
-  return {{"done", answer.done}, {"text", answer.text}};
+  if (std::holds_alternative<HomeCommand>(command) || std::holds_alternative<MarkCommand>(command))
+    jobs_.places.forget_check();
+  try {
+    const std::string text = worker_.command(command, line, sender.stops);
+    if (const auto* taught = std::get_if<TeachCommand>(&command))
+      jobs_.places.take_taught(taught->id);
+    return {{"done", true}, {"text", text}};
+  } catch (const StopRequested& stopped) {
+    return {{"done", false}, {"text", stopped.what()}};
+  }
 }
 
 ConsoleOrders::Json ConsoleOrders::jog(const Json& body, const Sender& sender) {
-  const auto line = member<std::string>(body, "line");
+  const auto [command, line] = command_in(body);
   require_floor(sender.client);
-  return {{"begun", true}, {"seq", worker_.hold(line, sender.stops)}};
+  return {{"begun", true}, {"seq", worker_.hold(command, line, sender.stops)}};
 }
 
 ConsoleOrders::Json ConsoleOrders::keep(const Json& /*body*/, const Sender& sender) {

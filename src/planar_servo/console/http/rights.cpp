@@ -80,34 +80,34 @@ std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
   const Right right = right_of(head);
   if (head.method == "POST" && head.path == kStop && right != Right::kNone) return std::nullopt;
   if (!site_.is_own(head.host))
-    return Denial{403,
-                  {fmt::format("the host is '{}'", head.host),
+    return Denial{{fmt::format("the host is '{}'", head.host),
                    fmt::format("open {}, or, behind a proxy or tunnel, start planar-console with "
                                "--origin https://{}",
                                address(), head.host),
-                   "Host"}};
+                   "Host"},
+                  403};
   if (!head.origin.empty() && !site_.is_own_page(head.origin, head.host))
     return Denial{
-        403,
         {fmt::format("'{}' is another site", head.origin),
          fmt::format("only the console's own page may ask; behind a proxy or tunnel, start "
                      "planar-console with --origin {}",
                      head.origin),
-         "Origin"}};
+         "Origin"},
+        403};
   if (right == Right::kNone)
-    return Denial{401, {"no right to read", "open the address that planar-console has printed"}};
+    return Denial{{"no right to read", "open the address that planar-console has printed"}, 401};
   if (head.method == "GET" || head.method == "HEAD") return std::nullopt;
   if (!is_client(head.client))
-    return Denial{403, {"names no client", "send 16 to 64 hexadecimal digits", "X-Planar-Client"}};
+    return Denial{{"names no client", "send 16 to 64 hexadecimal digits", "X-Planar-Client"}, 403};
   if (!begins(head.content_type, kJsonType))
-    return Denial{403,
-                  {fmt::format("is '{}'", head.content_type), std::string("send ") + kJsonType,
-                   "Content-Type"}};
+    return Denial{{fmt::format("is '{}'", head.content_type), std::string("send ") + kJsonType,
+                   "Content-Type"},
+                  403};
   if (right != Right::kOperate)
-    return Denial{403,
-                  {"this token may read only",
+    return Denial{{"this token may read only",
                    "open the address for operating, which "
-                   "planar-console has printed"}};
+                   "planar-console has printed"},
+                  403};
   return std::nullopt;
 }
 

@@ -34,9 +34,8 @@ struct RequestHead {
 };
 
 /// Why a request is refused, and the HTTP status that says so.
-struct Denial {
+struct Denial : Refusal {
   int status{0};
-  Refusal refusal;
 };
 
 /// Where a console listens. Beyond this computer it has TLS, whose certificate names the hosts by

@@ -118,23 +118,26 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
   try {
     const auto path = path_of(settings);
     if (path && !path->permitted)
-      return {{Verdict::kFaulty, "camera", path->port + " may not be opened",
-               "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
-               "udevadm trigger"}};
+      return {{{path->port + " may not be opened",
+                "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
+                "udevadm trigger",
+                "camera"},
+               Verdict::kFaulty}};
     const CameraInspection seen = inspect_camera(settings, kGrab_s);
     if (seen.refusal) return {faulty("camera", *seen.refusal)};
     const std::string port = path ? " over " + path->port : "";
     std::vector<Finding> findings{
-        {Verdict::kWell, "camera",
-         fmt::format("answers{}{}: {}", settings.address.empty() ? "" : " at " + settings.address,
-                     port, seen.identity)}};
+        {{fmt::format("answers{}{}: {}", settings.address.empty() ? "" : " at " + settings.address,
+                      port, seen.identity),
+          "", "camera"},
+         Verdict::kWell}};
     const CameraPath known = path.value_or(CameraPath{});
     for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known)})
       findings.insert(findings.end(), judged.begin(), judged.end());
     findings.push_back(judge_frames(camera, settings, seen, known));
     return findings;
   } catch (const InputError& error) {
-    return {{Verdict::kFaulty, "camera", error.what(), "correct the cell file"}};
+    return {{{error.what(), "correct the cell file", "camera"}, Verdict::kFaulty}};
   } catch (const WorkError& error) {
     return {faulty("camera", error.refusal())};
   }
@@ -144,11 +147,13 @@ std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPat
   if (seen.packet_size == 0 || !path.mtu_bytes) return {};
   const std::string what = fmt::format("packets have {} bytes; {} takes up to {}", seen.packet_size,
                                        path.port, *path.mtu_bytes);
-  if (seen.packet_size <= *path.mtu_bytes) return {{Verdict::kWell, "packets", what}};
-  return {
-      {Verdict::kFaulty, "packets", what,
-       fmt::format("sudo ip link set dev {} mtu {}, or set camera.packet_size: {} in the cell file",
-                   path.port, seen.packet_size, *path.mtu_bytes)}};
+  if (seen.packet_size <= *path.mtu_bytes) return {{{what, "", "packets"}, Verdict::kWell}};
+  return {{{what,
+            fmt::format(
+                "sudo ip link set dev {} mtu {}, or set camera.packet_size: {} in the cell file",
+                path.port, seen.packet_size, *path.mtu_bytes),
+            "packets"},
+           Verdict::kFaulty}};
 }
 
 std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
@@ -162,11 +167,13 @@ std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraI
       "at {:.4g} Hz full frames need {:.1f} MB/s and the region's {:.1f} MB/s; {} carries {:.0f} "
       "MB/s",
       camera.frame_rate_hz, full / kMegabyte, region / kMegabyte, path.port, *capacity / kMegabyte);
-  if (full <= *capacity) return {{Verdict::kWell, "bandwidth", what}};
+  if (full <= *capacity) return {{{what, "", "bandwidth"}, Verdict::kWell}};
   const double possible_hz = camera.frame_rate_hz * *capacity / full;
-  return {{region <= *capacity ? Verdict::kDoubtful : Verdict::kFaulty, "bandwidth", what,
-           fmt::format("set camera.frame_rate_hz to at most {:.3g}, or use a faster link",
-                       possible_hz)}};
+  return {{{what,
+            fmt::format("set camera.frame_rate_hz to at most {:.3g}, or use a faster link",
+                        possible_hz),
+            "bandwidth"},
+           region <= *capacity ? Verdict::kDoubtful : Verdict::kFaulty}};
 }
 
 Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
@@ -176,7 +183,7 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
       fmt::format("{} whole frames in {:.0f} s, {} with parts missing, {} without memory",
                   seen.complete, seen.duration_s, seen.incomplete, seen.underruns);
   const auto finding = [&](Verdict verdict, const std::string& remedy) {
-    return Finding{verdict, "frames", what, remedy};
+    return Finding{{what, remedy, "frames"}, verdict};
   };
   if (seen.complete == 0 && seen.incomplete == 0)
     return finding(Verdict::kFaulty, way_to_frames(settings, seen, path));
@@ -201,16 +208,18 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
 Finding examine_usb_memory(const std::filesystem::path& parameter) {
   int memory_mb = 0;
   if (!(std::ifstream(parameter) >> memory_mb))
-    return {Verdict::kDoubtful, "USB memory", parameter.string() + " cannot be read",
-            "load the kernel module usbcore"};
+    return {
+        {parameter.string() + " cannot be read", "load the kernel module usbcore", "USB memory"},
+        Verdict::kDoubtful};
   const std::string what = fmt::format("the kernel gives USB {} MB of memory", memory_mb);
   if (memory_mb == 0 || memory_mb >= kEnoughUsbMemory_mb)  // 0: as much as there is
-    return {Verdict::kWell, "USB memory", what};
-  return {Verdict::kDoubtful, "USB memory",
-          fmt::format("{}; a USB3 camera needs {} MB", what, kEnoughUsbMemory_mb),
-          fmt::format("echo 1000 | sudo tee {} (for good: kernel argument "
-                      "usbcore.usbfs_memory_mb=1000)",
-                      parameter.string())};
+    return {{what, "", "USB memory"}, Verdict::kWell};
+  return {{fmt::format("{}; a USB3 camera needs {} MB", what, kEnoughUsbMemory_mb),
+           fmt::format("echo 1000 | sudo tee {} (for good: kernel argument "
+                       "usbcore.usbfs_memory_mb=1000)",
+                       parameter.string()),
+           "USB memory"},
+          Verdict::kDoubtful};
 }
 
 std::shared_ptr<const DeviceDetails> AravisKind::read(Fields& camera) const {

@@ -18,19 +18,17 @@ class VirtualCell;
 struct CellSettings;
 
 /// Says how one part of a cell was found, and the remedy if it is not well.
-struct Finding {
+struct Finding : Refusal {  ///< `fault` says what was found, `where` is the part, such as "drive 2"
   enum class Verdict { kWell, kDoubtful, kFaulty };
   Verdict verdict{Verdict::kWell};
-  std::string subject;   ///< the examined part, such as "drive 2"
-  std::string what;      ///< what was found, in words
-  std::string remedy{};  ///< a command or an action; empty when all is well
 };
 
 /// Returns a refusal as a fault of `subject`, with the remedy `otherwise` where it names none.
 inline Finding faulty(const std::string& subject, const Refusal& refusal,
                       const std::string& otherwise = "") {
-  return {Finding::Verdict::kFaulty, subject, Refusal{refusal.fault, "", refusal.where}.text(),
-          refusal.remedy.empty() ? otherwise : refusal.remedy};
+  return {{Refusal{refusal.fault, "", refusal.where}.text(),
+           refusal.remedy.empty() ? otherwise : refusal.remedy, subject},
+          Finding::Verdict::kFaulty};
 }
 
 /// Base of the settings that only one kind of device has. Each kind derives its own and alone reads

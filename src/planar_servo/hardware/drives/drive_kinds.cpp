@@ -117,10 +117,11 @@ std::vector<Finding> examine_inputs(const std::string& on) {
     if (on.find(letter) != std::string::npos) names.emplace_back(name);
   if (names.empty()) return {};
   return {
-      {Verdict::kDoubtful, kSubject,
-       fmt::format("inputs are on at rest: {}", fmt::join(names, ", ")),
-       "unless the arm stands at these switches, or somebody presses them: look for a bad "
-       "switch or cable; if they open when pressed, change $5 (limits) or $14 (others, grblHAL)"}};
+      {{fmt::format("inputs are on at rest: {}", fmt::join(names, ", ")),
+        "unless the arm stands at these switches, or somebody presses them: look for a bad "
+        "switch or cable; if they open when pressed, change $5 (limits) or $14 (others, grblHAL)",
+        kSubject},
+       Verdict::kDoubtful}};
 }
 
 }  // namespace
@@ -130,13 +131,15 @@ std::vector<Finding> examine_grbl(const GrblSettings& settings) {
     GrblBoard board(settings.port, settings.baud);
     const std::string who = fmt::format("{} at {}", board.version().version, settings.port);
     Finding found{
-        Verdict::kWell, kSubject,
-        who + ", with the cell's settings; as after every opening, home it before it moves"};
+        {who + ", with the cell's settings; as after every opening, home it before it moves", "",
+         kSubject},
+        Verdict::kWell};
     if (const auto unfit = grbl::unfitness(board.settings(), settings))
       found = faulty(kSubject, {who + ": " + unfit->fault, unfit->remedy});
     else if (!grbl::is_supported(board.version()))
-      found = {Verdict::kDoubtful, kSubject, who + ", which is untried here",
-               "turn each joint by planar-jog with nothing in the arm's way"};
+      found = {{who + ", which is untried here",
+                "turn each joint by planar-jog with nothing in the arm's way", kSubject},
+               Verdict::kDoubtful};
     std::vector<Finding> findings = examine_inputs(board.inputs_on());
     findings.insert(findings.begin(), found);
     return findings;
@@ -209,12 +212,13 @@ Finding examine_tic(TicBus& bus, const std::string& subject, const std::string& 
       "{} {} at {}, firmware {}, supply {:.1f} V", tic::product_name(tic.listing.product_id),
       serial, tic.listing.device, tic::firmware_name(tic.listing.firmware), tic.supply_v);
   if (!tic.faults.empty())
-    return {Verdict::kFaulty, subject, fmt::format("{}: {}", what, fmt::join(tic.faults, ", ")),
-            "remove the cause, then enable the drives with planar-jog"};
+    return {{fmt::format("{}: {}", what, fmt::join(tic.faults, ", ")),
+             "remove the cause, then enable the drives with planar-jog", subject},
+            Verdict::kFaulty};
   if (!tic.position_certain)
-    return {Verdict::kDoubtful, subject, what + "; it does not know where it stands",
-            "home it with planar-jog"};
-  return {Verdict::kWell, subject, what};
+    return {{what + "; it does not know where it stands", "home it with planar-jog", subject},
+            Verdict::kDoubtful};
+  return {{what, "", subject}, Verdict::kWell};
 }
 
 /// Returns why a Tic cannot turn as fast as the cell requires; empty when it can.
@@ -309,9 +313,11 @@ std::vector<Finding> TicKind::examine(const CellSettings& cell) const {
     const std::string excess =
         excess_of(cell.transmission.drives[i], pulses_per_rad[static_cast<int>(i)]);
     if (!excess.empty())
-      findings.push_back({Verdict::kFaulty, subject, excess,
-                          "lower max_speed_deg_s and max_acceleration_deg_s2 in the cell file, or "
-                          "set fewer microsteps"});
+      findings.push_back({{excess,
+                           "lower max_speed_deg_s and max_acceleration_deg_s2 in the cell file, or "
+                           "set fewer microsteps",
+                           subject},
+                          Verdict::kFaulty});
   }
   return findings;
 }

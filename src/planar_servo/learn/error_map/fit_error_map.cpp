@@ -224,9 +224,11 @@ FitAtPlaces fit_at_places(MapSites sites, const MapProblem& problem, const Progr
 
 RejectedSample rejected_sample(const Outlier& outlier, std::size_t index,
                                const std::vector<ErrorSample>& samples, const char* by) {
-  return {index, samples[index].id, outlier.residual,
-          fmt::format("{:.4f} mm from {}, where {:.4f} mm is allowed",
-                      outlier.residual / kMillimetre, by, outlier.limit / kMillimetre)};
+  return {{samples[index].id,
+           fmt::format("{:.4f} mm from {}, where {:.4f} mm is allowed",
+                       outlier.residual / kMillimetre, by, outlier.limit / kMillimetre)},
+          index,
+          outlier.residual};
 }
 
 /// Fits to the samples that agree with the others of their place.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/operator.h"
 #include "planar_servo/learn/error_map/cross_validation.h"
 #include "planar_servo/learn/error_map/error_map.h"
@@ -94,11 +95,9 @@ struct MapProblem {
 /// The largest number of positions of a dense map; more go to a sparse one, which takes less time.
 constexpr Eigen::Index kMostDense = 1000;
 
-struct RejectedSample {
+struct RejectedSample : Rejection {
   std::size_t index{0};  ///< among the problem's samples
-  std::string id;
   double residual{0.0};  ///< distance from the prediction of the samples that were kept, metres
-  std::string reason;
 };
 
 /// The places that a map was fitted to, columns; metres.

@@ -207,14 +207,15 @@ HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, cons
   const Cause cause = cause_of(suspect, off);
   HealthFinding finding{cause, size_of(suspect, off, cost_m), suspect.unit, cost_m, words(cause)};
   if (is_gear(suspect)) {
-    finding.what += fmt::format(": it turns {:.4f} times as far as commanded", finding.size);
+    finding.fault += fmt::format(": it turns {:.4f} times as far as commanded", finding.size);
   } else if (is_link(suspect)) {
     const double filed_mm = as_filed.links_m[suspect.numbers[0] - kLinkOff] / kMillimetre;
-    finding.what += fmt::format(": {:.2f} mm, not {:.2f} mm", filed_mm + finding.size, filed_mm);
+    finding.fault += fmt::format(": {:.2f} mm, not {:.2f} mm", filed_mm + finding.size, filed_mm);
   } else if (suspect.numbers.size() > 2) {
-    finding.what += fmt::format("; the tool is seen up to {:.3g} mm from where it was", mm(cost_m));
+    finding.fault +=
+        fmt::format("; the tool is seen up to {:.3g} mm from where it was", mm(cost_m));
   } else {
-    finding.what += fmt::format(" by {:.3g} {}", finding.size, finding.unit);
+    finding.fault += fmt::format(" by {:.3g} {}", finding.size, finding.unit);
   }
   return finding;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/arm/transmission.h"
 
@@ -92,15 +93,6 @@ enum class Cause {
   kSeveral,      ///< no single cause explains what is seen
 };
 
-/// Holds one thing that was found out of order, with its remedy.
-struct HealthFinding {
-  Cause cause{Cause::kSeveral};
-  double size{0.0};  ///< in `unit`; NaN for what has no size
-  const char* unit{""};
-  double cost_m{0.0};  ///< the most it displaces the end point or its command
-  std::string what;    ///< one sentence
-};
-
 /// Returns the cause in words, such as "the camera has shifted".
 const char* words(Cause cause);
 
@@ -109,6 +101,22 @@ const char* usable(Cause cause);
 
 /// Returns what is to be done.
 const char* redo(Cause cause);
+
+/// Holds one thing that was found out of order.
+struct HealthFinding : Refusal {
+  Cause cause{Cause::kSeveral};
+  double size{0.0};  ///< in `unit`; NaN for what has no size
+  const char* unit{""};
+  double cost_m{0.0};  ///< the most it displaces the end point or its command
+
+  HealthFinding(Cause found, double its_size, const char* its_unit, double its_cost_m,
+                const std::string& sentence)
+      : Refusal{sentence, redo(found)},
+        cause(found),
+        size(its_size),
+        unit(its_unit),
+        cost_m(its_cost_m) {}
+};
 
 /// A cause with the numbers that it makes differ from the cell's files.
 struct Suspect {

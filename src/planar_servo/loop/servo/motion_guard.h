@@ -82,8 +82,7 @@ struct GuardedLook {
 };
 
 /// Says why a look must not move the arm.
-struct Doubt {
-  Refusal refusal;
+struct Doubt : Refusal {
   bool of_cell{false};       ///< it holds for other targets, too
   bool may_be_stray{false};  ///< one stop that missed explains it: the arm may come again
 };

@@ -148,7 +148,7 @@ ServoResult PositionServo::move_to(const TipPose& target, const Observer& observ
     }
     if (found) {
       result.cell_in_doubt = found->of_cell;
-      return finish(ServoStatus::kHeld, found->refusal.text());
+      return finish(ServoStatus::kHeld, found->text());
     }
     if (const auto status = verdict(result.steps)) {
       result.cell_in_doubt = *status == ServoStatus::kDiverged;

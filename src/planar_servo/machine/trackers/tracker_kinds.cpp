@@ -58,7 +58,7 @@ void read_dialect(Fields& tracker, TrackerDialect& dialect) {
 
 Finding tracker_finding(Finding::Verdict verdict, const std::string& what,
                         const std::string& remedy = "") {
-  return {verdict, "tracker", what, remedy};
+  return {{what, remedy, "tracker"}, verdict};
 }
 
 Finding silence(const ReadingStream& stream) {
@@ -223,8 +223,8 @@ std::shared_ptr<Tracker> AskTrackerKind::open(const CellSettings& cell,
 }
 
 std::vector<Finding> AskTrackerKind::examine(const CellSettings& /*cell*/) const {
-  return {{Finding::Verdict::kWell, "tracker",
-           "planar-record asks at its terminal for each monument and place"}};
+  return {{{"planar-record asks at its terminal for each monument and place", "", "tracker"},
+           Finding::Verdict::kWell}};
 }
 
 }  // namespace planar

@@ -45,7 +45,7 @@ void add_left_out_pairs(std::size_t left_out, std::size_t all, Verdict& verdict)
          "places again"});
 }
 
-const Verdict::Fault kUseless{
+const Refusal kUseless{
     "the map is not worth using: between its places it removes too little of the error, or no more "
     "than chance would",
     "leave the map out (planar-servo --no-error-map), or record more places; planar-plan proposes "

@@ -87,22 +87,6 @@ constexpr char kTable[] =
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kAnyWords = std::numeric_limits<std::size_t>::max();
-
-double number_of(const std::string& word, const std::string& what) {
-  const auto value = finite_number(word);
-  if (!value)
-    throw InputError({fmt::format("{} is '{}'", what, word), "a finite number is needed"});
-  return *value;
-}
-
-/// Returns the joint that a word names, counted from 0.
-int joint_of(const std::string& word) {
-  if (word != "1" && word != "2" && word != "3")
-    throw InputError({fmt::format("the joint is '{}'", word), "allowed are 1, 2, 3"});
-  return word[0] - '1';
-}
-
 /// Returns the first name of frame_1.png, frame_2.png, ... that no file has.
 fs::path free_frame_name() {
   for (int i = 1;; ++i)
@@ -136,36 +120,6 @@ const TargetRow& TaughtTargets::at(const std::string& id) const {
   return *target;
 }
 
-struct JogConsole::Command {
-  const char* verb;
-  std::size_t least_words, most_words;  ///< words that follow the verb
-  std::string (JogConsole::*work)(const Words&);
-  const char* help;
-};
-
-const std::vector<JogConsole::Command>& JogConsole::commands() {
-  static const std::vector<Command> commands{
-      {"enable", 0, 0, &JogConsole::enable, "switch the drives on, also after a fault"},
-      {"home", 0, 1, &JogConsole::home,
-       "[JOINT]: search the home switch of that joint, or of every joint that needs it"},
-      {"mark", 1, 1, &JogConsole::mark, "JOINT: say that the motor stands at its mark now"},
-      {"joint", 2, 2, &JogConsole::turn_joint, "JOINT DEG: turn one motor"},
-      {"x", 1, 1, &JogConsole::move_x, "MM: move the end point along x"},
-      {"y", 1, 1, &JogConsole::move_y, "MM: move the end point along y"},
-      {"go", 1, kAnyWords, &JogConsole::go, "ID: move to a place of the table --teach"},
-      {"where", 0, 0, &JogConsole::where, "show joints and end point as commanded"},
-      {"look", 0, 0, &JogConsole::look,
-       "show the picture's brightness and the end point as it is seen"},
-      {"find", 0, 0, &JogConsole::find, "look for the lamps in the whole frame"},
-      {"focus", 0, 0, &JogConsole::focus,
-       "show how wide the lamps' edges are, to turn the lens by; best since another command"},
-      {"save", 0, 1, &JogConsole::save,
-       "[FILE.png]: take a whole frame and save it, by default in frame_1.png, ..."},
-      {"exposure", 1, 2, &JogConsole::expose, "US [GAIN_DB]: set exposure time and gain, and look"},
-      {"teach", 1, 1, &JogConsole::teach, "ID: append this place to the targets"}};
-  return commands;
-}
-
 JogConsole::JogConsole(const CalibratedCell& cell, CellDevices& devices, const fs::path& teach,
                        const std::function<bool()>& stop, Announce announce)
     : cell_(cell.settings),
@@ -181,30 +135,12 @@ JogConsole::JogConsole(const CalibratedCell& cell, CellDevices& devices, const f
   if (!teach.empty()) taught_.emplace(teach);
 }
 
-JogConsole::Answer JogConsole::execute(const std::string& line) {
-  std::istringstream stream(line);
-  Words words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  if (words.empty() || words[0][0] == '#') return {};
-  if (words[0] == "help") return {true, help()};
-  const auto& all = commands();
-  const auto command = std::find_if(
-      all.begin(), all.end(), [&](const Command& candidate) { return words[0] == candidate.verb; });
-  if (command == all.end())
-    return {false, fmt::format("there is no command '{}'; 'help' lists them", words[0])};
-  words.erase(words.begin());
-  if (words.size() < command->least_words || words.size() > command->most_words)
-    return {false, fmt::format("'{}' is not understood; help says '{} {}'", line, command->verb,
-                               command->help)};
-  if (command->work != &JogConsole::focus) lamps_.forget_best();
+std::string JogConsole::perform(const ArmCommand& command) {
+  if (!std::holds_alternative<FocusCommand>(command)) lamps_.forget_best();
   try {
-    return {true, (this->*command->work)(words)};
+    return std::visit([this](const auto& ordered) { return perform(ordered); }, command);
   } catch (const StopRequested& e) {
-    return {false, fmt::format("{}; {}", e.what(), arm_.where())};
-  } catch (const InputError& e) {
-    return {false, e.what()};
-  } catch (const WorkError& e) {
-    return {false, e.what()};
+    throw StopRequested(fmt::format("{}; {}", e.what(), arm_.where()));
   }
 }
 
@@ -213,65 +149,48 @@ std::optional<Eigen::Vector2d> JogConsole::seen() const {
   return seen_->p;
 }
 
-const char* JogConsole::help() {
-  static const std::string text = [] {
-    std::string lines;
-    for (const Command& command : commands())
-      lines += fmt::format("{:<9} {}\n", command.verb, command.help);
-    return lines + "quit      end the program; the drives halt";
-  }();
-  return text.c_str();
-}
-
-std::string JogConsole::enable(const Words& /*words*/) {
+std::string JogConsole::perform(const EnableCommand& /*command*/) {
   arm_.enable();
   const std::string to_do = arm_.how_to_home();
   if (to_do.empty()) return "the drives are on and know where they stand";
   return "the drives are on; still to be homed: " + to_do;
 }
 
-std::string JogConsole::home(const Words& words) {
-  const std::size_t homed =
-      arm_.home(words.empty() ? std::nullopt : std::optional<int>(joint_of(words[0])));
+std::string JogConsole::perform(const HomeCommand& command) {
+  const std::size_t homed = arm_.home(command.joint);
   return fmt::format("{} homed", homed == 0   ? "nothing had to be"
                                  : homed == 1 ? "one joint"
                                               : fmt::format("{} joints", homed));
 }
 
-std::string JogConsole::mark(const Words& words) {
-  arm_.mark(joint_of(words[0]));
+std::string JogConsole::perform(const MarkCommand& command) {
+  arm_.mark(command.joint);
   return arm_.where();
 }
 
-std::string JogConsole::turn_joint(const Words& words) {
-  const int joint = joint_of(words[0]);
-  arm_.turn(joint, number_of(words[1], "the angle in degrees") * kDegree);
+std::string JogConsole::perform(const TurnCommand& command) {
+  arm_.turn(command.joint, command.angle);
   return arm_.where();
 }
 
-std::string JogConsole::move_x(const Words& words) {
-  arm_.step({number_of(words[0], "the step in mm") * kMillimetre, 0.0});
+std::string JogConsole::perform(const StepCommand& command) {
+  arm_.step(command.by_B);
   return arm_.where();
 }
 
-std::string JogConsole::move_y(const Words& words) {
-  arm_.step({0.0, number_of(words[0], "the step in mm") * kMillimetre});
-  return arm_.where();
-}
-
-std::string JogConsole::go(const Words& words) {
+std::string JogConsole::perform(const GoCommand& command) {
   if (!taught_) throw InputError(Refusal{"there is no table of taught places", kTable});
-  const TargetRow& target = taught_->at(fmt::format("{}", fmt::join(words, " ")));
+  const TargetRow& target = taught_->at(command.id);
   const std::string by = arm_.go_to(target);
   return fmt::format("moved to {}, {}, {}: joints {} deg", target.id, place_mm(target.p_d), by,
                      fixed(arm_.commanded() / kDegree, 3, " "));
 }
 
-std::string JogConsole::where(const Words& /*words*/) {
+std::string JogConsole::perform(const WhereCommand& /*command*/) {
   return arm_.where();
 }
 
-std::string JogConsole::look(const Words& /*words*/) {
+std::string JogConsole::perform(const LookCommand& /*command*/) {
   announce_look(sensor_ ? cell_.servo.frames_per_measurement : 0);
   std::string text = read_exposure(lamps_.whole_frame().image).text();
   if (!sensor_) return text + "\nthe cell's vision is not calibrated yet";
@@ -284,17 +203,17 @@ std::string JogConsole::look(const Words& /*words*/) {
                             lamps_.vision()->error_map ? "" : ", without an error map");
 }
 
-std::string JogConsole::find(const Words& /*words*/) {
+std::string JogConsole::perform(const FindCommand& /*command*/) {
   announce_look(0);
   return lamps_.find();
 }
 
-std::string JogConsole::focus(const Words& /*words*/) {
+std::string JogConsole::perform(const FocusCommand& /*command*/) {
   return lamps_.focus();
 }
 
-std::string JogConsole::save(const Words& words) {
-  const fs::path file = words.empty() ? free_frame_name() : fs::path(words[0]);
+std::string JogConsole::perform(const SaveCommand& command) {
+  const fs::path file = command.file.empty() ? free_frame_name() : command.file;
   if (file.extension() != ".png")
     throw InputError({"a frame is saved as PNG", "end the name in .png", file});
   require_writable(file, "picture");
@@ -308,30 +227,30 @@ std::string JogConsole::save(const Words& words) {
                      frame.image.rows);
 }
 
-std::string JogConsole::expose(const Words& words) {
+std::string JogConsole::perform(const ExposeCommand& command) {
   CameraExposure exposure = devices_.camera().exposure();
-  exposure.time_s = number_of(words[0], "the exposure in us") * kMicrosecond;
-  if (words.size() > 1) exposure.gain_db = number_of(words[1], "the gain in dB");
+  exposure.time_s = command.time_s;
+  exposure.gain_db = command.gain_db.value_or(exposure.gain_db);
   devices_.camera().set_exposure(exposure);
   return fmt::format("exposure {:.0f} us, gain {:.1f} dB\n", exposure.time_s / kMicrosecond,
                      exposure.gain_db) +
-         look({});
+         perform(LookCommand{});
 }
 
-std::string JogConsole::teach(const Words& words) {
+std::string JogConsole::perform(const TeachCommand& command) {
   if (!taught_) throw InputError(Refusal{"there is no table to teach", kTable});
   if (const std::string unknown = arm_.how_to_home(); !unknown.empty())
     throw InputError(Refusal{"drives do not know where they stand", unknown});
   const TipPose commanded = arm_.tip();
   if (!sensor_) {
-    taught_->append({words[0], commanded.p, commanded.phi});
+    taught_->append({command.id, commanded.p, commanded.phi});
     return fmt::format("taught {} at {} as commanded: the cell's vision is not calibrated yet",
-                       words[0], place_mm(commanded.p));
+                       command.id, place_mm(commanded.p));
   }
   const TipMeasurement seen = measure();
   if (!seen.ok()) throw WorkError("nothing was taught; the tool is not measured: " + seen.word);
-  taught_->append({words[0], seen.tip.p, commanded.phi});
-  return fmt::format("taught {} at {} as seen", words[0], place_mm(seen.tip.p));
+  taught_->append({command.id, seen.tip.p, commanded.phi});
+  return fmt::format("taught {} at {} as seen", command.id, place_mm(seen.tip.p));
 }
 
 void JogConsole::announce_look(int frames) {

@@ -9,6 +9,7 @@
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/vision/lamp_tip_sensor.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/jog/arm_command.h"
 #include "planar_servo/work/jog/jog_arm.h"
 #include "planar_servo/work/jog/lamp_finder.h"
 
@@ -35,54 +36,39 @@ class TaughtTargets {
   std::vector<TargetRow> targets_;
 };
 
-/// Lets a person move a cell by hand, one command at a time:
-///   enable | home [JOINT] | mark JOINT | joint JOINT DEG | x MM | y MM | go ID | where | look |
-///   find | focus | save [FILE.png] | exposure US [GAIN_DB] | teach ID
-/// Joints count from 1. `joint` turns the motor behind its gear by the angle, and with it what
-/// rides on that link. Nothing changes for a command that is wrong and for a motion that is too
-/// long or leaves the workspace or a motor's limits. From outside the workspace only ways that lead
-/// towards it are open.
+/// Moves a cell by hand, one command at a time. Nothing changes for a motion that is too long or
+/// leaves the workspace or a motor's limits. From outside the workspace only ways that lead towards
+/// it are open.
 class JogConsole {
  public:
-  struct Answer {
-    bool done{true};
-    std::string text;  ///< says what was done, or why it was not
-  };
-
   /// Opens the console and moves nothing. With an empty path `teach` nothing can be taught. `stop`
   /// is as in PlanarRobot::stop_when(), `announce` as for JogArm(). Throws InputError for a table
   /// that cannot be appended to.
   JogConsole(const CalibratedCell& cell, CellDevices& devices, const std::filesystem::path& teach,
              const std::function<bool()>& stop = {}, Announce announce = {});
 
-  Answer execute(const std::string& line);
+  /// Does what is ordered and says what was done. Throws InputError for what cannot be, WorkError
+  /// for what failed, and StopRequested, which says where the arm stands, when it was stopped.
+  std::string perform(const ArmCommand& command);
 
   JogArm& arm() { return arm_; }
   /// Returns where the end point was seen, if it was since the arm moved last.
   std::optional<Eigen::Vector2d> seen() const;
 
-  /// Returns a line for each command.
-  static const char* help();
-
  private:
-  using Words = std::vector<std::string>;
-  struct Command;
-  static const std::vector<Command>& commands();
-
-  std::string enable(const Words& words);
-  std::string home(const Words& words);
-  std::string mark(const Words& words);
-  std::string turn_joint(const Words& words);
-  std::string move_x(const Words& words);
-  std::string move_y(const Words& words);
-  std::string go(const Words& words);
-  std::string where(const Words& words);
-  std::string look(const Words& words);
-  std::string find(const Words& words);
-  std::string focus(const Words& words);
-  std::string save(const Words& words);
-  std::string expose(const Words& words);
-  std::string teach(const Words& words);
+  std::string perform(const EnableCommand& command);
+  std::string perform(const HomeCommand& command);
+  std::string perform(const MarkCommand& command);
+  std::string perform(const TurnCommand& command);
+  std::string perform(const StepCommand& command);
+  std::string perform(const GoCommand& command);
+  std::string perform(const WhereCommand& command);
+  std::string perform(const LookCommand& command);
+  std::string perform(const FindCommand& command);
+  std::string perform(const FocusCommand& command);
+  std::string perform(const SaveCommand& command);
+  std::string perform(const ExposeCommand& command);
+  std::string perform(const TeachCommand& command);
 
   /// Says that the camera is looked through, for some frames beside a whole one.
   void announce_look(int frames);

@@ -405,8 +405,8 @@ std::vector<HealthFinding> check_devices(const CalibratedCell& cell, CellDevices
 std::string findings_text(const std::vector<HealthFinding>& findings) {
   std::string text;
   for (const HealthFinding& finding : findings)
-    text += fmt::format("{}; what still holds: {}; what to do: {}\n", finding.what,
-                        usable(finding.cause), redo(finding.cause));
+    text += fmt::format("{}; what still holds: {}; what to do: {}\n", finding.fault,
+                        usable(finding.cause), finding.remedy);
   return text;
 }
 
@@ -422,7 +422,7 @@ nlohmann::ordered_json findings_json(const std::vector<HealthFinding>& findings)
       entry["unit"] = nullptr;
     }
     entry["usable"] = usable(finding.cause);
-    entry["redo"] = redo(finding.cause);
+    entry["redo"] = finding.remedy;
     list.push_back(std::move(entry));
   }
   return {{"healthy", findings.empty()}, {"findings", list}};

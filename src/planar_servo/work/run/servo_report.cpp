@@ -309,8 +309,8 @@ std::string landing_words(const ServoFigures& figures) {
   return words.empty() ? "" : words + coverage_words(figures);
 }
 
-std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::string& results) {
-  std::vector<Verdict::Fault> faults;
+std::vector<Refusal> run_faults(const ServoFigures& figures, const std::string& results) {
+  std::vector<Refusal> faults;
   if (figures.reached < figures.targets)
     faults.push_back({fmt::format("{} of {} targets were not reached",
                                   figures.targets - figures.reached, figures.targets),

@@ -81,7 +81,7 @@ std::string landing_words(const ServoFigures& figures);
 
 /// Says what is wrong with a run by its figures: targets that were not reached, and vision that
 /// made the arm worse. `results` says where each target's reason stands.
-std::vector<Verdict::Fault> run_faults(const ServoFigures& figures, const std::string& results);
+std::vector<Refusal> run_faults(const ServoFigures& figures, const std::string& results);
 
 /// Returns a panel with an error at each target where it is known, under a title with its mean.
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,

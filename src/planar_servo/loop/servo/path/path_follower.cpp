@@ -294,7 +294,7 @@ std::optional<PathResult> PathFollower::objection(Run& run, const PathLook& look
   const GuardedLook guarded{measurement, planner_.arm().forward(look.theta), measurement.t_s};
   const auto found = doubt(limits_, guarded, run.last_look ? &*run.last_look : nullptr);
   if (!found) return std::nullopt;
-  return PathResult{ServoStatus::kHeld, found->refusal.text(), found->of_cell};
+  return PathResult{ServoStatus::kHeld, found->text(), found->of_cell};
 }
 
 std::optional<PathResult> PathFollower::move_until_exposure(Run& run) {
