@@ -101,10 +101,10 @@ class Cell {
     require_devices(cell);
     request_.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell, use_error_map));
     require_calibrated(*request_.cell);  // before a device is opened
-    request_.center = cell.lamps.method;
-    request_.accept_stale = accept_stale;
-    request_.accept_map = accept_map;
-    request_.check_health = check_health;
+    request_.policy.center = cell.lamps.method;
+    request_.accepted.stale = accept_stale;
+    request_.accepted.map = accept_map;
+    request_.policy.checks_health = check_health;
     request_.may_home = may_home;
     request_.stop = [this] { return stop_.asked(); };
     devices_ = open_cell(cell);
@@ -133,9 +133,9 @@ class Cell {
     const ServoFigures figures = work([&] {
       ready_.reset();  // the run makes its own
       ServoRequest request = request_;
-      request.out = out;
-      request.resume = resume;
-      request.learns = request.cell->settings.servo.learns;
+      request.folder.path = out;
+      request.folder.resume = resume;
+      request.policy.learns = request.cell->settings.servo.learns;
       const auto show = observer_of(on_step);
       ServoRun run(request, *devices_, [&](const ServoSight& sight) {
         if (show) show(sight.step);

@@ -33,7 +33,7 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the calibrated cell");
-  add_required(app, "--out", options.request.servo.out, "DIR",
+  add_required(app, "--out", options.request.servo.folder.path, "DIR",
                "folder for the page, the figures and every cycle; the same command continues a "
                "run that was broken off");
   app.add_option("--cycles", options.request.size.cycles,
@@ -47,9 +47,9 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("N")
       ->capture_default_str();
   add_homing_options(app, options.homing);
-  app.add_flag("--accept-stale", options.request.servo.accept_stale,
+  app.add_flag("--accept-stale", options.request.servo.accepted.stale,
                "move even with files that were not made from one another; the page says which");
-  app.add_flag("--accept-map", options.request.servo.accept_map, kAcceptMap);
+  app.add_flag("--accept-map", options.request.servo.accepted.map, kAcceptMap);
 }
 
 CertificateRequest request_of(const Options& options) {
@@ -57,7 +57,7 @@ CertificateRequest request_of(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
   require_devices(cell);
   request.servo.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.servo.center = cell.lamps.method;
+  request.servo.policy.center = cell.lamps.method;
   request.servo.may_home = may_home(options.homing);
   request.servo.stop = interrupted;
   return request;
@@ -76,7 +76,8 @@ Outcome certify(const Options& options) {
         certificate.run.ended_by));
   write_certificate(certificate);
   const ReportList list = certificate_list(certificate);
-  say("{}certificate: {}\n", list.text(), (request.servo.out / "certificate.html").string());
+  say("{}certificate: {}\n", list.text(),
+      (request.servo.folder.path / "certificate.html").string());
   return {list.json(), certificate.all_count()};
 }
 

@@ -85,21 +85,22 @@ void add_goals(CLI::App& app, Options& options) {
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_goals(app, options);
-  auto* out = add_value(app, "--out", options.request.out, "DIR", "folder for log and report");
+  auto* out =
+      add_value(app, "--out", options.request.folder.path, "DIR", "folder for log and report");
   app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");
   app.add_option("--centre", options.center,
                  "how a lamp's centre is measured; by default the cell's lamps.method")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
   add_homing_options(app, options.homing);
-  app.add_flag("--accept-stale", options.request.accept_stale,
+  app.add_flag("--accept-stale", options.request.accepted.stale,
                "move even with files that were not made from one another; the run says which");
-  app.add_flag("--accept-map", options.request.accept_map, kAcceptMap);
+  app.add_flag("--accept-map", options.request.accepted.map, kAcceptMap);
   app.add_flag("--no-health", options.no_health,
                "move without checking first that the cell is as it was calibrated");
-  app.add_flag("--keep-going", options.request.keep_going,
+  app.add_flag("--keep-going", options.request.accepted.doubts,
                "try the next target even when the cell itself is in doubt: after a look that "
                "contradicts the command or the calibration, or an error that grew");
-  app.add_flag("--forget", options.request.forgets,
+  app.add_flag("--forget", options.request.policy.forgets,
                "learn the arm from the start, without the cell's arm_learned file")
       ->excludes("--path");
   app.add_flag(
@@ -108,7 +109,7 @@ void add_options(CLI::App& app, Options& options) {
          "monuments, then on the tool, and its readings stand in judge.csv")
       ->needs(out)
       ->excludes("--path");
-  app.add_flag("--resume", options.request.resume, "continue the run in DIR")
+  app.add_flag("--resume", options.request.folder.resume, "continue the run in DIR")
       ->needs(out)
       ->excludes("--path");
   add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
@@ -243,7 +244,7 @@ Outcome report(const ServoRequest& request, const Options& options, const ServoR
       conclude_run(request, run, frames, from_stdin(options) ? fs::path() : options.targets);
   const ReportList list = servo_list(figures);
   say(from_stdin(options) ? stderr : stdout, "{}log and report: {}\n", list.text(),
-      request.out.string());
+      request.folder.path.string());
   return {list.json(), figures.reached == figures.targets && good_input && !run.ended_by()};
 }
 
@@ -252,14 +253,14 @@ ServoRequest request_of(const Options& options, const std::shared_ptr<Calibrated
     throw InputError(
         Refusal{"--judged asks a person at the terminal, but --targets - reads targets there",
                 "name a table of targets"});
-  if (options.request.out.empty())
+  if (options.request.folder.path.empty())
     throw InputError(
         Refusal{"--out is needed to move the arm", "only --dry-run and --check do without it"});
   ServoRequest request = options.request;
   request.cell = cell;
-  request.center = options.center.empty() ? cell->settings.lamps.method
-                                          : *value_named(kCenterMethods, options.center);
-  request.check_health = !options.no_health;
+  request.policy.center = options.center.empty() ? cell->settings.lamps.method
+                                                 : *value_named(kCenterMethods, options.center);
+  request.policy.checks_health = !options.no_health;
   request.may_home = may_home(options.homing, !from_stdin(options));
   request.stop = interrupted;
   return request;
@@ -270,8 +271,8 @@ void check_files(const Options& options, const CalibratedCell& cell) {
   require_devices(cell.settings);
   warn_of_values(cell.settings);
   require_calibrated(cell);
-  accept_stale(cell.stale, options.request.accept_stale);
-  accept_map(cell, options.request.accept_map);
+  accept_stale(cell.stale, options.request.accepted.stale);
+  accept_map(cell, options.request.accepted.map);
 }
 
 /// Returns the tracker as the judge of a run, or null for a cell that its truth judges. It reads
@@ -281,8 +282,8 @@ std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices
   const CellSettings& cell = request.cell->settings;
   const ToolOffsets& tool = request.cell->vision->tool;
   if (judge_of(cell, tool) == JudgeKind::kTruth) return nullptr;
-  return std::make_shared<TrackerJudge>(cell, tool, devices.tracker(), request.out / "judge.csv",
-                                        request.stop);
+  return std::make_shared<TrackerJudge>(cell, tool, devices.tracker(),
+                                        request.folder.path / "judge.csv", request.stop);
 }
 
 Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
@@ -297,12 +298,12 @@ Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCe
     return from_stdin(options) ? plan_stream(options, *cell)
                                : print_dry_run(options, *cell, targets);
   ServoRequest request = request_of(options, cell);
-  request.learns = cell->settings.servo.learns;
+  request.policy.learns = cell->settings.servo.learns;
   heed_interrupts();
   const auto devices = open_cell(cell->settings);
   if (options.judged) request.judge = judge_by_tracker(request, *devices);
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
-                       options.request.out / "view.png");
+                       options.request.folder.path / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const bool good_input = move(run, options, targets);
   display.close();
@@ -329,7 +330,8 @@ Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& ce
   PathRun run(request, path, *devices);
   const bool reached = follow_path(run, path);
   write_path_run(request, path, run);
-  say("{}log and report: {}\n", path_table(path, run.results()).plain_text(), request.out.string());
+  say("{}log and report: {}\n", path_table(path, run.results()).plain_text(),
+      request.folder.path.string());
   return {path_list(path, run.results()).json(), reached};
 }
 

@@ -20,8 +20,8 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   CellSettings cell = whole;
   cell.truth.reset();
   request.servo.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.servo.out = folder / "out";
-  request.servo.check_health = false;
+  request.servo.folder.path = folder / "out";
+  request.servo.policy.checks_health = false;
   request.size = {2, 2};
   int opened = 0;
   const auto open = [&](const CellSettings& /*cell*/) {

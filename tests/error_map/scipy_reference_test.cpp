@@ -30,9 +30,8 @@ struct Setting {
 };
 
 TEST_CASE("Maps agree with SciPy's where kernel and settings are the same") {
-  const auto path = test::shared_data("reference/rbf_scipy_franke40.json");
-  if (!path) return;
-  const auto reference = nlohmann::json::parse(std::ifstream(*path));
+  const auto reference =
+      nlohmann::json::parse(std::ifstream(test::test_data("rbf_scipy_franke40.json")));
   MapSites sites;
   sites.positions = columns(reference["nodes"]);
   sites.errors = columns(reference["values"]);

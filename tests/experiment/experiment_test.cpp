@@ -166,7 +166,7 @@ TEST_CASE("Only our chain estimates landings, the paper's and ViSP's correct by 
     CalibratedChain chain;
     chain.settings = settings;
     chain.cell = cell;
-    return control_loop(chain, false, request).estimates_landings;
+    return control_loop(chain, false, request).policy.estimates_landings;
   };
   CHECK(estimates(our_chain(cell)));
   CHECK_FALSE(estimates(paper_chain(cell)));

@@ -22,11 +22,11 @@ TEST_CASE(
   CellSettings cell = whole;
   cell.truth.reset();
   request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.out = folder / "run";
-  request.check_health = false;
+  request.folder.path = folder / "run";
+  request.policy.checks_health = false;
   request.judge =
       std::make_shared<TrackerJudge>(cell, request.cell->vision->tool, devices.tracker(),
-                                     request.out / "judge.csv", std::function<bool()>());
+                                     request.folder.path / "judge.csv", std::function<bool()>());
   ServoRun run(request, devices);
   for (const char* id : {"a", "b"}) {
     const TargetResult& result = run.move_to({id, {0.2, 0.1}, std::nullopt});
@@ -35,7 +35,7 @@ TEST_CASE(
     CHECK(result.sigma_judged_m.value() >= whole.tracker.sigma_m);
   }
   std::size_t monuments = 0;
-  for (const TrackerRow& row : read_tracker(request.out / "judge.csv"))
+  for (const TrackerRow& row : read_tracker(request.folder.path / "judge.csv"))
     monuments += row.id == whole.datum.front().id ? 1 : 0;
   CHECK(monuments == kMonumentReadings);
 }

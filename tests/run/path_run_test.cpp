@@ -27,8 +27,8 @@ TEST_CASE("A path does not begin beside its beginning when the look for play bre
   test::HiccupCell devices(cell);
   ServoRequest request;
   request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.out = folder / "run";
-  request.check_health = false;
+  request.folder.path = folder / "run";
+  request.policy.checks_health = false;
   const TipPose start{{0.26, 0.20}, cell.tool_orientation};
   const PathRequest path{"path.csv",
                          Path({{start}, {{{0.25, 0.20}, cell.tool_orientation}}}),

@@ -21,7 +21,7 @@ TEST_CASE("The calibration narrows the guard, but not that of a chain that has n
   CHECK(guarded.noise_m == widest.noise_m);
   CHECK(guarded.distance_m < widest.distance_m);
   CHECK(std::isfinite(guarded.correction_m));
-  request.guards_looks = false;
+  request.policy.guards_looks = false;
   const GuardLimits unguarded = ReadyCell(request, *devices).limits();
   CHECK(std::isinf(unguarded.noise_m));
   CHECK(std::isinf(unguarded.correction_m));

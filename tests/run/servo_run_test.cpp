@@ -132,7 +132,7 @@ std::shared_ptr<const CalibratedCell> without_map(const CellSettings& cell) {
 ServoRequest ideal_request(const test::TemporaryFolder& folder) {
   ServoRequest request;
   request.cell = without_map(ideal_cell(folder));
-  request.out = folder / "run";
+  request.folder.path = folder / "run";
   return request;
 }
 
@@ -169,21 +169,21 @@ TEST_CASE("Whatever a board counts, its drives home before anything is planned, 
   for (int start = 0; start < 200; ++start) {
     LeftCell devices(cell, random);
     const bool allowed = start % 2 == 0;
-    request.check_health = start % 4 < 2;
+    request.policy.checks_health = start % 4 < 2;
     request.may_home = [&](Homing /*way*/, const std::string& unhomed) {
       CHECK(unhomed == "drives that have lost their position: 1 2 3");
       for (const test::MockPulseDrive& drive : devices.motors) CHECK(drive.targets.empty());
       return allowed;
     };
-    const std::string ended = !allowed               ? "start with --home"
-                              : request.check_health ? "the camera gave no picture"
-                                                     : "not back within 60 s";
+    const std::string ended = !allowed                       ? "start with --home"
+                              : request.policy.checks_health ? "the camera gave no picture"
+                                                             : "not back within 60 s";
     CHECK_THROWS_WITH(run_to_a(request, devices), Catch::Contains(ended));
     for (const test::MockPulseDrive& drive : devices.motors) {
       CHECK(drive.targets.empty() != allowed);
       if (allowed) CHECK(drive.targets.front() == -test::MockPulseDrive::kSwitch_pulses);
     }
-    std::filesystem::remove_all(request.out);
+    std::filesystem::remove_all(request.folder.path);
   }
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("A drive is waited for three times on the way to a target, whatever th
   const test::TemporaryFolder folder;
   FlakyCell devices;
   ServoRequest request = ideal_request(folder);
-  request.check_health = false;
+  request.policy.checks_health = false;
   ServoRun run(request, devices);
   CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), DriveError);
   CHECK(devices.lost.asked == 1);
@@ -204,12 +204,12 @@ TEST_CASE("A run that fails before the arm moves to a target leaves no folder, a
   FlakyCell devices;
   ServoRequest request = ideal_request(folder);
   CHECK_THROWS_AS(run_to_a(request, devices), WorkError);
-  CHECK_FALSE(std::filesystem::exists(request.out));
-  request.check_health = false;
+  CHECK_FALSE(std::filesystem::exists(request.folder.path));
+  request.policy.checks_health = false;
   FlakyCell others;
   others.lost.takes_drive_along = 0;
   CHECK_THROWS_AS(run_to_a(request, others), WorkError);
-  CHECK(std::filesystem::exists(request.out / "steps.csv"));
+  CHECK(std::filesystem::exists(request.folder.path / "steps.csv"));
 }
 
 TEST_CASE("A camera that is not back within a minute ends the run without a result of the target") {
@@ -217,8 +217,8 @@ TEST_CASE("A camera that is not back within a minute ends the run without a resu
   FlakyCell devices;
   devices.lost.takes_drive_along = 0;
   ServoRequest request = ideal_request(folder);
-  request.check_health = false;
-  request.keep_going = true;
+  request.policy.checks_health = false;
+  request.accepted.doubts = true;
   ServoRun run(request, devices);
   const double start_s = devices.clock().now_s();
   CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
@@ -235,7 +235,7 @@ TEST_CASE("A camera is waited for in full after a drive was waited for") {
     devices.lost.takes_drive_along = drive_first ? 0 : 1;
     devices.flaky.recovery_s = 70.0;
     ServoRequest request = ideal_request(folder);
-    request.check_health = false;
+    request.policy.checks_health = false;
     ServoRun run(request, devices);
     const double start_s = devices.clock().now_s();
     CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), WorkError);
@@ -274,8 +274,8 @@ TEST_CASE("A camera is waited for in full after a long judgement") {
   devices.hiccup.fails = [&] { return devices.clock().now_s() < well_s; };
   ServoRequest request;
   request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.out = folder / "run";
-  request.check_health = false;
+  request.folder.path = folder / "run";
+  request.policy.checks_health = false;
   const auto judge = std::make_shared<SlowJudge>(devices.clock());
   judge->after_first = [&] { well_s = devices.clock().now_s() + 2.0; };
   request.judge = judge;
@@ -292,7 +292,7 @@ TEST_CASE("A camera that comes and goes is waited for twenty times at a target")
   devices.flaky.fails = false;
   devices.lost.flaps = true;
   ServoRequest request = ideal_request(folder);
-  request.check_health = false;
+  request.policy.checks_health = false;
   ServoRun run(request, devices);
   CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
                     Catch::Contains("the camera has failed 21 times at this target"));
@@ -318,7 +318,7 @@ TEST_CASE("A run without a folder reaches its target and writes nothing") {
   std::filesystem::current_path(folder.path());
   ServoRequest request;
   request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.check_health = false;
+  request.policy.checks_health = false;
   ServoRun run(request, *devices);
   const TargetResult result = run.move_to({"a", {0.2, 0.1}, std::nullopt});
   run.finish();
@@ -331,14 +331,14 @@ TEST_CASE("A run without a folder reaches its target and writes nothing") {
 /// A folder with a run that has one result, at the target 'a'.
 struct BegunRun {
   BegunRun() {
-    std::filesystem::create_directories(request.out);
+    std::filesystem::create_directories(request.folder.path);
     TargetResult result;
     result.id = "a";
     result.p_d = {0.3, 0.2};
     result.phi_d = 0.5;
-    GrowingFile(request.out / "results.csv", results_header(run_remarks(request)))
+    GrowingFile(request.folder.path / "results.csv", results_header(run_remarks(request)))
         .append(result_line(result));
-    request.resume = true;
+    request.folder.resume = true;
   }
 
   test::TemporaryFolder folder;
@@ -356,7 +356,7 @@ TEST_CASE("A run is resumed with the settings of its servo, and with no others")
     changed.servo.tolerance_m = 7e-6;
   }
   SECTION("the way in which lamps' centres are measured") {
-    begun.request.center = CenterMethod::kFast;
+    begun.request.policy.center = CenterMethod::kFast;
   }
   begun.request.cell = without_map(changed);
   CHECK_THROWS_AS(results_so_far(begun.request), InputError);
@@ -382,9 +382,9 @@ TEST_CASE("A result is that of a target with its place and its direction, whole 
 TEST_CASE("A run that was killed before its first result is resumed, one never begun is not") {
   const test::TemporaryFolder folder;
   ServoRequest request = ideal_request(folder);
-  request.resume = true;
+  request.folder.resume = true;
   CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to resume"));
-  std::filesystem::create_directories(request.out);
+  std::filesystem::create_directories(request.folder.path);
   CHECK_NOTHROW(folder_for(request));
   folder.write("run/letter.txt", "dear");
   CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to resume"));
@@ -398,7 +398,7 @@ TEST_CASE("A run that was killed before its first result is resumed, one never b
 TEST_CASE("A run whose report would replace what is not ours is refused before it begins") {
   const test::TemporaryFolder folder;
   const ServoRequest request = ideal_request(folder);
-  std::filesystem::create_directories(request.out);
+  std::filesystem::create_directories(request.folder.path);
   const std::string name = GENERATE(as<std::string>(), "run.yaml", "report.html");
   folder.write("run/" + name, "mine\n");
   CHECK_THROWS_WITH(folder_for(request), Catch::Contains(name) && Catch::Contains("would replace"));

@@ -9,6 +9,9 @@ namespace planar::test {
 /// printed and nothing is returned.
 std::optional<std::filesystem::path> shared_data(const std::filesystem::path& relative);
 
+/// Returns a file of tests/data.
+std::filesystem::path test_data(const std::filesystem::path& name);
+
 /// Returns an image of Debian's package visp-images-data. When it is absent, a skip is printed and
 /// nothing is returned.
 std::optional<std::filesystem::path> visp_image(const std::filesystem::path& relative);

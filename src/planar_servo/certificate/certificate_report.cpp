@@ -209,7 +209,7 @@ ReportList certificate_list(const Certificate& certificate) {
 }
 
 void write_certificate(const Certificate& certificate) {
-  const std::filesystem::path& out = certificate.run.request.servo.out;
+  const std::filesystem::path& out = certificate.run.request.servo.folder.path;
   write_file(out / "certificate.json",
              with_format_key("figures", certificate_list(certificate).json().dump(2)));
   write_file(out / "certificate.html", certificate_page(certificate));

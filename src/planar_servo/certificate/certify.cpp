@@ -149,7 +149,7 @@ std::vector<Eigen::Vector2d> spread_targets(const CellSettings& cell, const Usab
 namespace fs = std::filesystem;
 
 fs::path cycles_file(const CertificateRequest& request) {
-  return request.servo.out / "cycles.csv";
+  return request.servo.folder.path / "cycles.csv";
 }
 
 /// Returns the settings that decide the moves, as comment lines. The calibration's files are those
@@ -164,13 +164,13 @@ std::string header_of(const CertificateRequest& request, JudgeKind judge) {
 
 /// Throws InputError when the folder's moves were made with other calibration files.
 void require_same_files(ServoRequest servo) {
-  servo.resume = true;
+  servo.folder.resume = true;
   results_so_far(servo);
 }
 
 /// Returns the moves that the folder holds. Throws InputError when they are of another certificate.
 std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const std::string& header) {
-  const fs::path file = cycles_file(request), results = request.servo.out / "results.csv";
+  const fs::path file = cycles_file(request), results = request.servo.folder.path / "results.csv";
   if (!fs::exists(file)) {
     if (fs::exists(results) && !read_results(results).empty())
       throw InputError({"belongs to no certificate", "name another folder", results});
@@ -191,11 +191,11 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
 /// Returns the objections to the cell's files. Throws InputError unless they are accepted.
 std::vector<std::string> accepted_words(const CertificateRequest& request) {
   const CalibratedCell& cell = *request.servo.cell;
-  if (!request.servo.accept_stale) require_belonging(cell.stale);
+  if (!request.servo.accepted.stale) require_belonging(cell.stale);
   std::vector<std::string> words;
   words.reserve(cell.stale.size());
   for (const StaleFile& file : cell.stale) words.push_back(file.text());
-  if (const auto map = accept_map(cell, request.servo.accept_map))
+  if (const auto map = accept_map(cell, request.servo.accepted.map))
     words.push_back(cell.settings.error_map.string() + ": " + *map);
   return words;
 }
@@ -272,13 +272,13 @@ void make_moves(CertificateRun& certificate, const std::vector<CertificateMove>&
                 const std::string& header, CellDevices& devices,
                 const std::function<void(std::size_t done, std::size_t all)>& progress) {
   CertificateRequest request = certificate.request;
-  request.servo.resume = fs::exists(request.servo.out / "results.csv");
+  request.servo.folder.resume = fs::exists(request.servo.folder.path / "results.csv");
   CertificateDriver driver(request, devices);
   const std::size_t all = certificate.moves.size() + moves.size();
   if (progress) progress(certificate.moves.size(), all);
   const CalibratedCell& cell = *request.servo.cell;
   const auto judge = make_judge(certificate.judge, cell.settings, cell.vision->tool, devices,
-                                request.servo.out / "tracker.csv", request.servo.stop);
+                                request.servo.folder.path / "tracker.csv", request.servo.stop);
   GrowingFile table(cycles_file(request), header);
   for (const CertificateMove& move : moves) {
     const JudgedMove made = driver.make(move, *judge);

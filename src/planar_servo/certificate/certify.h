@@ -93,9 +93,9 @@ struct CertificateRun {
 using OpenDevices = std::function<std::shared_ptr<CellDevices>(const CellSettings&)>;
 
 /// Moves a cell through certificate_moves() and has the end of each judged. Each judged move is
-/// appended to cycles.csv in servo.out at once, beside steps.csv and results.csv of all moves; the
-/// same request continues where they end. Throws InputError before anything moves when nobody can
-/// judge the cell, when find_test_places() fails, and when the folder holds something else or a
+/// appended to cycles.csv in servo.folder at once, beside steps.csv and results.csv of all moves;
+/// the same request continues where they end. Throws InputError before anything moves when nobody
+/// can judge the cell, when find_test_places() fails, and when the folder holds something else or a
 /// certificate that was begun with other files, sizes or settings. Throws what ServoRun throws.
 /// `progress`, which may be empty, is told of the moves that are there before the first one is
 /// made, and of each.

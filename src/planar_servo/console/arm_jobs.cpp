@@ -144,7 +144,7 @@ int CertificateJob::begin(const std::string& name, const CertificateSize& size, 
   const auto work = [=](CellDevices& devices, const CellJobs::Stop& stop,
                         const CellJobs::Begun& begun) {
     CertificateRequest request{jobs_.request(stop), size, jobs_.watch()};
-    request.servo.out = out;
+    request.servo.folder.path = out;
     return certify(request, devices, begun);
   };
   return jobs_.begin(Doing::kRunning, "certificate", name, known, work);
@@ -209,7 +209,7 @@ int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm
                      [=, csv = table->csv](CellDevices& devices, const CellJobs::Stop& stop,
                                            const CellJobs::Begun& begun) {
                        ServoRequest request = jobs_.request(stop);
-                       request.out = out;
+                       request.folder.path = out;
                        return follow(request, path, csv, devices, begun);
                      });
 }

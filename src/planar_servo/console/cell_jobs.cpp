@@ -93,12 +93,12 @@ int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
       Doing::kRunning, "targets", name, known,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         ServoRequest wanted = request_for_targets(stop, out);
-        wanted.resume = resume;
+        wanted.folder.resume = resume;
         const FrameCounts before = devices.camera().counts();
         ServoRun run(wanted, devices, watch());
         for (const TargetRow& goal : goals) run.require_same(goal);
         begun(0, goals.size());
-        const fs::path table = wanted.out / "targets.csv";
+        const fs::path table = wanted.folder.path / "targets.csv";
         write_targets(table, goals);
         run_servo(run, goals, [&](std::size_t done, std::size_t all) {
           show_progress(done, all);
@@ -226,21 +226,21 @@ fs::path CellJobs::folder(const std::string& name) const {
 ServoRequest CellJobs::request(const Stop& stop) {
   ServoRequest request;
   request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell_.settings()));
-  request.center = cell_.settings().lamps.method;
+  request.policy.center = cell_.settings().lamps.method;
   request.stop = stop;
   request.checking = [this](const auto& places) {
     board_.change([&](CellState& state) { state.checking_B = places; });
   };
   request.found = [this](const auto& found) { note_findings(found); };
   const double ago_s = clock_.now_s() - well_s_;
-  if (ago_s < kWellFor_s) request.checked_s_ago = ago_s;
+  if (ago_s < kWellFor_s) request.policy.checked_s_ago = ago_s;
   return request;
 }
 
 ServoRequest CellJobs::request_for_targets(const Stop& stop, const fs::path& out) {
   ServoRequest wanted = request(stop);
-  wanted.out = out;
-  wanted.learns = cell_.settings().servo.learns;
+  wanted.folder.path = out;
+  wanted.policy.learns = cell_.settings().servo.learns;
   return wanted;
 }
 

@@ -31,24 +31,24 @@ fs::path run_folder(const ExperimentRequest& experiment, const std::string& chai
 /// complete then, and must not grow any more: the chains were calibrated from it.
 bool has_begun_loop(const ExperimentRequest& experiment) {
   ServoRequest loop;
-  loop.out = run_folder(experiment, our_chain(experiment.cell).name, true);
+  loop.folder.path = run_folder(experiment, our_chain(experiment.cell).name, true);
   return fs::exists(results_file(loop));
 }
 
 bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets) {
-  return loop.resume && results_so_far(loop).size() == targets.size();
+  return loop.folder.resume && results_so_far(loop).size() == targets.size();
 }
 
 /// Returns the loop's chain and folder, as in "ours run".
 std::string name_of(const ServoRequest& loop) {
-  return fmt::format("{} {}", loop.out.parent_path().filename().string(),
-                     loop.out.filename().string());
+  return fmt::format("{} {}", loop.folder.path.parent_path().filename().string(),
+                     loop.folder.path.filename().string());
 }
 
 /// Moves to the targets that have no result yet and returns the results of all.
 std::vector<TargetResult> close_loop(const ServoRequest& loop,
                                      const std::vector<TargetRow>& targets, CellDevices& devices) {
-  const std::string chain = loop.out.parent_path().filename().string();
+  const std::string chain = loop.folder.path.parent_path().filename().string();
   const std::string map =
       uses_error_map(*loop.cell) ? "with its error map" : "without an error map";
   spdlog::info(fmt::format("closing the loop over {} targets: {}, {}", targets.size(), chain, map));
@@ -179,13 +179,13 @@ ServoRequest control_loop(const CalibratedChain& chain, bool with_map,
                           const ExperimentRequest& experiment) {
   ServoRequest loop;
   loop.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(chain.cell, with_map));
-  loop.center = chain.settings.center;
-  loop.check_health = loop.guards_looks = chain.settings.is_guarded;
-  loop.accept_map = chain.settings.accept_map || !chain.settings.is_guarded;
-  loop.estimates_landings = chain.settings.estimates_landings;
-  loop.keep_going = true;  // a target that fails is a result, too
-  loop.out = run_folder(experiment, chain.settings.name, with_map);
-  loop.resume = fs::exists(results_file(loop));
+  loop.policy.center = chain.settings.center;
+  loop.policy.checks_health = loop.policy.guards_looks = chain.settings.is_guarded;
+  loop.accepted.map = chain.settings.accept_map || !chain.settings.is_guarded;
+  loop.policy.estimates_landings = chain.settings.estimates_landings;
+  loop.accepted.doubts = true;  // a target that fails is a result, too
+  loop.folder.path = run_folder(experiment, chain.settings.name, with_map);
+  loop.folder.resume = fs::exists(results_file(loop));
   loop.may_home = experiment.may_home;
   loop.stop = experiment.stop;
   return loop;

@@ -169,8 +169,7 @@ std::vector<Finding> examine_files(const CellSettings& cell) {
   for (const MadeFile& file : made_files(cell, true)) {
     std::vector<Finding> reasons = examine_content(cell, file);
     for (const StaleFile& stale : all_stale)
-      if (stale.path == file.path)
-        reasons.push_back(faulty(file.path.filename().string(), stale));
+      if (stale.path == file.path) reasons.push_back(faulty(file.path.filename().string(), stale));
     findings.push_back(examine_file(file, !reasons.empty()));
     findings.insert(findings.end(), reasons.begin(), reasons.end());
   }

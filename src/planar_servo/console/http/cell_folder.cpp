@@ -103,8 +103,7 @@ ordered_json files_json(const CellSettings& cell, const std::string& board) {
   auto list = ordered_json::array();
   ordered_json next;
   try {
-    for (const StaleFile& stale : stale_files(cell, with_map))
-      faults.emplace(stale.path, stale);
+    for (const StaleFile& stale : stale_files(cell, with_map)) faults.emplace(stale.path, stale);
     next = next_of(cell, board);
   } catch (const InputError& e) {
     next = next_json(e.what());

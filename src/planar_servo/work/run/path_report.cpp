@@ -344,8 +344,8 @@ void write_path_run(const ServoRequest& request, const PathRequest& path, const 
     yaml.add(fmt::format("status_by_{}_at_{:g}_mm_s", name_in(kGuidances, result.guidance),
                          mm(result.speed_m_s)),
              name(result.status));
-  write_file(request.out / "run.yaml", yaml.text());
-  write_file(request.out / "report.html", path_page(path, run.results(), run.looks()));
+  write_file(request.folder.path / "run.yaml", yaml.text());
+  write_file(request.folder.path / "report.html", path_page(path, run.results(), run.looks()));
 }
 
 }  // namespace planar

@@ -43,12 +43,12 @@ CellDevices& able_to_follow(CellDevices& devices, const CellSettings& cell) {
 
 const std::filesystem::path& folder_for_path(const ServoRequest& request) {
   for (const char* name : {"path_looks.csv", "results.csv"})
-    if (std::filesystem::exists(request.out / name))
-      throw InputError({"holds a run already", "name another folder", request.out / name});
-  make_folder(request.out);
-  require_writable(request.out / "run.yaml", "run");
-  require_writable(request.out / "report.html", "page");
-  return request.out;
+    if (std::filesystem::exists(request.folder.path / name))
+      throw InputError({"holds a run already", "name another folder", request.folder.path / name});
+  make_folder(request.folder.path);
+  require_writable(request.folder.path / "run.yaml", "run");
+  require_writable(request.folder.path / "report.html", "page");
+  return request.folder.path;
 }
 
 /// Throws InputError for a path that leaves the arm's reach by far: no loop along it may be long.
@@ -138,15 +138,15 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
     : path_(path),
       observer_(std::move(observer)),
       truth_(devices.truth()),
-      keep_going_(request.keep_going),
+      keep_going_(request.accepted.doubts),
       cell_(request, able_to_follow(devices, request.cell->settings)),
       follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
                 cell_.sensor(), devices.clock(),
                 {1.0 / cell_.settings().camera.frame_rate_hz, devices.camera().exposure().time_s}),
-      folder_(request.out, {"path_looks.csv", "path_results.csv"}),
+      folder_(request.folder.path, {"path_looks.csv", "path_results.csv"}),
       lock_(folder_for_path(request)),
-      look_table_(request.out / "path_looks.csv", path_looks_header()),
-      result_table_(request.out / "path_results.csv",
+      look_table_(request.folder.path / "path_looks.csv", path_looks_header()),
+      result_table_(request.folder.path / "path_results.csv",
                     path_results_header(csv_remarks(run_origins(request)))) {
   cell_.switch_on();
 }

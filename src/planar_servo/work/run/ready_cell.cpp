@@ -58,7 +58,7 @@ constexpr char kChecking[] = "looking at the cell";
 constexpr char kResume[] = "; add --resume to continue a run";
 
 GuardLimits limits_of(const ServoRequest& request) {
-  if (!request.guards_looks) {
+  if (!request.policy.guards_looks) {
     GuardLimits widest;
     widest.noise_m = std::numeric_limits<double>::infinity();
     return widest;
@@ -70,7 +70,7 @@ GuardLimits limits_of(const ServoRequest& request) {
 }
 
 std::unique_ptr<LandingModel> landings_of(const ServoRequest& request, const GuardLimits& limits) {
-  if (!request.estimates_landings) return nullptr;
+  if (!request.policy.estimates_landings) return nullptr;
   const auto& map = request.cell->vision->error_map;
   const JointPlanner& planner = request.cell->planner;
   const LampField* field = map ? std::get_if<LampField>(&*map) : nullptr;
@@ -79,10 +79,10 @@ std::unique_ptr<LandingModel> landings_of(const ServoRequest& request, const Gua
       arm->factor.cols() != field->factor.cols())
     return std::make_unique<UnknownLandings>(limits.distance_m);
   const double stray_m = limits.distance_m / kDeviationsToGuard;
-  if (!request.learns)
+  if (!request.policy.learns)
     return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(), stray_m);
   return std::make_unique<LearningLandings>(
-      *field, *arm, remembered_arm(request.cell->settings, planner, request.forgets),
+      *field, *arm, remembered_arm(request.cell->settings, planner, request.policy.forgets),
       planner.transmission(), stray_m);
 }
 
@@ -146,20 +146,21 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
       camera_(devices.camera()),
       clock_(devices.clock()),
       may_home_(request.may_home),
-      check_health_(request.check_health),
+      check_health_(request.policy.checks_health),
       checking_(request.checking),
       found_(request.found),
-      accepted_stale_(accept_stale(complete(*cell_).stale, request.accept_stale)),
-      accepted_map_(accept_map(*cell_, request.accept_map)),
+      accepted_stale_(accept_stale(complete(*cell_).stale, request.accepted.stale)),
+      accepted_map_(accept_map(*cell_, request.accepted.map)),
       limits_(limits_of(request)),
-      sensor_(*cell_->vision, request.center, devices.camera(), settings().camera.follow_region_px),
+      sensor_(*cell_->vision, request.policy.center, devices.camera(),
+              settings().camera.follow_region_px),
       robot_(PlanarArm(settings().arm.geometry), Transmission(settings().transmission),
              devices.drives(), devices.clock()),
       landings_(landings_of(request, limits_)),
       servo_(settings().servo, limits_, planner(), robot_, sensor_, devices.clock(),
              landings_.get()) {
   robot_.stop_when(request.stop);
-  if (request.checked_s_ago) examined_s_ = clock_.now_s() - *request.checked_s_ago;
+  if (request.policy.checked_s_ago) examined_s_ = clock_.now_s() - *request.policy.checked_s_ago;
   const auto* learning = dynamic_cast<const LearningLandings*>(landings_.get());
   if (learning != nullptr && settings().arm_learned) memory_.emplace(settings(), *learning);
 }

@@ -51,24 +51,26 @@ class ArmMemory {
   std::optional<double> kept_s_;
 };
 
-/// Says how a cell closes its loop, and where the run's files go.
-struct ServoRequest {
-  std::shared_ptr<const CalibratedCell> cell;  ///< without its error map, nothing is compensated
-  CenterMethod center{CenterMethod::kAuto};    ///< the way in which lamps' centres are measured
+/// Where a run's files go.
+struct OutFolder {
   /// steps.csv and results.csv grow here, a line at a time. Empty: nothing is written.
-  std::filesystem::path out;
-  bool resume{false};        ///< continues the run that the folder holds
-  bool accept_stale{false};  ///< moves even with files that do not belong together
-  bool accept_map{false};    ///< moves even by an error map whose fit speaks against it
-  bool check_health{true};   ///< checks before the first target whether the cell is as it was
+  std::filesystem::path path{};
+  bool resume{false};  ///< continues the run that the folder holds
+};
+
+/// What of a cell is accepted although it speaks against moving.
+struct AcceptedRisks {
+  bool stale{false};   ///< files that do not belong together
+  bool map{false};     ///< an error map whose fit speaks against it
+  bool doubts{false};  ///< the next target is tried even when the cell itself is in doubt
+};
+
+/// How a cell closes its loop.
+struct ServoPolicy {
+  CenterMethod center{CenterMethod::kAuto};  ///< the way in which lamps' centres are measured
+  bool checks_health{true};  ///< checks before the first target whether the cell is as it was
   /// How long ago the cell was found well by a check that counts as the first one, seconds.
   std::optional<double> checked_s_ago{};
-  bool keep_going{false};  ///< tries the next target even when the cell itself is in doubt
-  /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
-  MayHome may_home{};
-  std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
-  /// Judges the first look and the end at every target of a cell without a truth. May be empty.
-  std::shared_ptr<Judge> judge{};
   /// Holds the arm where a look is uncertain or not what the calibration promises. Without it only
   /// the default GuardLimits hold the arm, whatever the noise.
   bool guards_looks{true};
@@ -78,6 +80,19 @@ struct ServoRequest {
   /// Learns the arm from looks, and keeps what it learns where the cell names an arm_learned file.
   bool learns{false};
   bool forgets{false};  ///< ignores what that file holds at first
+};
+
+/// A cell, how it closes its loop, and who is asked and told meanwhile.
+struct ServoRequest {
+  std::shared_ptr<const CalibratedCell> cell;  ///< without its error map, nothing is compensated
+  OutFolder folder{};
+  AcceptedRisks accepted{};
+  ServoPolicy policy{};
+  /// Is asked about drives that lost their position on the way, too. Empty: they may not be homed.
+  MayHome may_home{};
+  std::function<bool()> stop{};  ///< asked during every move; see PlanarRobot::stop_when()
+  /// Judges the first look and the end at every target of a cell without a truth. May be empty.
+  std::shared_ptr<Judge> judge{};
   /// Is told the places (base frame) of each check of the cell that begins, and nothing once it has
   /// ended. May be empty.
   std::function<void(const std::optional<std::vector<Eigen::Vector2d>>&)> checking{};

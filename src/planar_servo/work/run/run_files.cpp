@@ -49,7 +49,7 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
 /// Returns what decides how a target is reached, besides the calibration files.
 std::string settings_text(const ServoRequest& request) {
   return fmt::format("{}, centre: {}", servo_text(request.cell->settings.servo),
-                     name_in(kCenterMethods, request.center));
+                     name_in(kCenterMethods, request.policy.center));
 }
 
 /// Throws unless the run was begun with the present settings. One that does not name its settings
@@ -102,7 +102,7 @@ RunFolder::~RunFolder() {
 }
 
 fs::path results_file(const ServoRequest& request) {
-  return request.out / "results.csv";
+  return request.folder.path / "results.csv";
 }
 
 std::vector<Origin> run_origins(const ServoRequest& request) {
@@ -121,24 +121,24 @@ std::vector<std::string> run_remarks(const ServoRequest& request) {
 }
 
 const fs::path& folder_for(const ServoRequest& request) {
-  if (request.resume && !holds_begun_run(request.out))
+  if (request.folder.resume && !holds_begun_run(request.folder.path))
     throw InputError({"holds no run to resume",
                       "name the folder of one, or leave out --resume to begin one there",
-                      request.out});
+                      request.folder.path});
   // A run would overwrite the path's report.
-  const fs::path looks = request.out / "path_looks.csv";
+  const fs::path looks = request.folder.path / "path_looks.csv";
   if (fs::exists(looks))
     throw InputError({"the folder holds the run of a path", "name another folder", looks});
-  make_folder(request.out);
-  require_writable(request.out / "run.yaml", "run");
-  require_writable(request.out / "report.html", "page");
-  return request.out;
+  make_folder(request.folder.path);
+  require_writable(request.folder.path / "run.yaml", "run");
+  require_writable(request.folder.path / "report.html", "page");
+  return request.folder.path;
 }
 
 std::vector<TargetResult> results_so_far(const ServoRequest& request) {
   const fs::path results = results_file(request);
   if (!fs::exists(results) || fs::is_empty(results)) return {};
-  if (!request.resume)
+  if (!request.folder.resume)
     throw InputError({"holds a run already", "name another folder or add --resume", results});
   drop_torn_line(results, results_header());
   require_same_origins(results, run_origins(request));
@@ -147,12 +147,12 @@ std::vector<TargetResult> results_so_far(const ServoRequest& request) {
 }
 
 RunFiles::RunFiles(const ServoRequest& request)
-    : folder(request.out, {"steps.csv", "results.csv"}),
+    : folder(request.folder.path, {"steps.csv", "results.csv"}),
       lock(folder_for(request)),
       begun(results_so_far(request)),
       table_file(results_file(request)),
       table_header(results_header(run_remarks(request))),
-      steps(request.out / "steps.csv", steps_header()),
+      steps(request.folder.path / "steps.csv", steps_header()),
       table(table_file, table_header) {}
 
 void require_same_goal(const std::string& id, const TipPose& goal,

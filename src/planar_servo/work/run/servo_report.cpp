@@ -335,10 +335,10 @@ std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
 
 void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
                const std::filesystem::path& targets) {
-  if (!run.has_new_results() && std::filesystem::exists(request.out / "run.yaml")) return;
-  write_file(request.out / "run.yaml",
+  if (!run.has_new_results() && std::filesystem::exists(request.folder.path / "run.yaml")) return;
+  write_file(request.folder.path / "run.yaml",
              run_text(request, run, figures, run_inputs(request, targets)));
-  write_file(request.out / "report.html",
+  write_file(request.folder.path / "report.html",
              servo_page(request.cell->settings.file, figures, run.results(), run.ended_by()));
 }
 

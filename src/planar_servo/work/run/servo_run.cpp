@@ -102,9 +102,9 @@ TargetResult refused(const TargetRow& target, const std::string& ended_by) {
 ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer)
     : observer_(std::move(observer)),
       judge_(devices.truth() ? devices.truth() : request.judge),
-      keep_going_(request.keep_going),
+      keep_going_(request.accepted.doubts),
       cell_(request, devices),
-      files_(request.out.empty() ? std::nullopt : std::make_optional<RunFiles>(request)),
+      files_(request.folder.path.empty() ? std::nullopt : std::make_optional<RunFiles>(request)),
       results_(files_ ? files_->begun : std::vector<TargetResult>()),
       results_before_(results_.size()),
       well_until_(results_before_) {

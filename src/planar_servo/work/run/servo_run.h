@@ -66,7 +66,7 @@ class ServoRun {
   /// Switches the drives on. `observer` may be empty. Throws InputError when the folder holds a run
   /// and `resume` is not set, when it holds none, or one begun with other calibration files or
   /// servo settings, and `resume` is set, when another program writes there, and for calibration
-  /// files that do not belong together unless `accept_stale` is set.
+  /// files that do not belong together unless they are accepted.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
   /// When an exception ends the run before the arm was moved to a target, removes what the run has
   /// made: its tables, and the folder where it was not there.
@@ -90,7 +90,7 @@ class ServoRun {
   void finish();
 
   /// Returns why no further target may be tried: the cell itself is in doubt. Empty with
-  /// `keep_going`.
+  /// doubts accepted.
   const std::optional<std::string>& ended_by() const { return ended_by_; }
   /// Throws InputError when there is a result of this target, but of another place or direction.
   void require_same(const TargetRow& target) const;
