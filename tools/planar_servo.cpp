@@ -7,8 +7,10 @@
 #include "homing_options.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/calibrated_cell.h"
+#include "planar_servo/files/drawings/drawing.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/machine/plausibility.h"
@@ -16,6 +18,7 @@
 #include "planar_servo/work/run/cell_check.h"
 #include "planar_servo/work/run/dry_run.h"
 #include "planar_servo/work/run/path_report.h"
+#include "planar_servo/work/run/plan_page.h"
 #include "planar_servo/work/run/servo_report.h"
 #include "planar_servo/work/run/servo_run.h"
 #include "planar_servo/work/run/target_stream.h"
@@ -42,10 +45,16 @@ log and report: DIR)"};
 
 constexpr char kStdin[] = "standard input";
 
+constexpr Named<double> kDrawingUnits[] = {
+    {kMillimetre, "mm"}, {10.0 * kMillimetre, "cm"}, {1.0, "m"}, {25.4 * kMillimetre, "inch"}};
+
 struct Options {
   fs::path cell, targets, path;
   ServoRequest request;
-  std::vector<double> speeds_mm_s{kUsualSpeed_mm_s};
+  DrawingSettings drawing;
+  std::string drawing_unit;
+  fs::path report;                  ///< of a check or dry run; empty for none
+  std::vector<double> speeds_mm_s;  ///< empty: the drawing's, or else the usual one
   std::string display{"none"};
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, no_health{false}, dry_run{false}, check{false}, judged{false};
@@ -56,22 +65,30 @@ struct Options {
 /// Adds where the end point is to go: targets or a path.
 void add_goals(CLI::App& app, Options& options) {
   auto* goals = app.add_option_group("where to");
-  add_value(*goals, "--targets", options.targets, "targets.csv",
-            "table of targets; '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
-            "and answers each with one line of JSON");
+  add_value(
+      *goals, "--targets", options.targets, "targets.csv",
+      "table of targets, or a drawing whose points they are: DXF (.dxf), G-code (.nc, .gcode, "
+      "...); '-' reads lines id,x_mm,y_mm[,phi_deg] from standard input "
+      "and answers each with one line of JSON");
   auto* path = add_value(*goals, "--path", options.path, "path.csv",
-                         "table of the places that a path goes through, straight or on arcs");
+                         "table of the places that a path goes through, straight or on arcs, or "
+                         "a drawing, as DXF or G-code");
   goals->require_option(1);
   app.add_flag(
       "--require-end", options.require_end,
       "with --targets -: call the run failed unless the line 'end' ends the targets, as it "
       "does not when their writer was killed");
   app.add_option("--speed-mm-s", options.speeds_mm_s,
-                 "speeds along the path, 1 to 50; it is followed once at each")
+                 "speeds along the path, 1 to 50; it is followed once at each; by default the "
+                 "drawing's feed, or 10")
       ->delimiter(',')
       ->needs(path)
-      ->type_name("V,...")
-      ->capture_default_str();
+      ->type_name("V,...");
+  app.add_option("--layers", options.drawing.layers, "layers of a DXF to read; by default all")
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  app.add_option("--drawing-unit", options.drawing_unit, "unit of a DXF whose header names none")
+      ->check(CLI::IsMember(names_of(kDrawingUnits)));
   auto* no_vision =
       app.add_flag("--no-vision", options.no_vision,
                    "follow the path by the arm's model alone; vision watches and corrects nothing")
@@ -121,6 +138,20 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--check", options.check, "read and check every file; nothing moves")
       ->excludes(out)
       ->excludes(dry);
+  add_value(app, "--report", options.report, "FILE.html",
+            "with --check or --dry-run: draw what would be done on a page")
+      ->excludes(out);
+}
+
+/// Reads a drawing, and says what it leaves open.
+Drawing drawing_in(const fs::path& file, const Options& options) {
+  DrawingSettings settings = options.drawing;
+  if (!options.drawing_unit.empty())
+    settings.unit_m = value_named(kDrawingUnits, options.drawing_unit);
+  Drawing drawing = read_drawing(file, settings);
+  for (const std::string& remark : drawing.remarks)
+    spdlog::warn(Refusal{remark}.at(file.string()).text());
+  return drawing;
 }
 
 std::string title_of(const ServoSight& sight) {
@@ -286,10 +317,32 @@ std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices
                                         request.folder.path / "judge.csv", request.stop);
 }
 
+/// The targets of a table or drawing, and what the drawing leaves open.
+struct TargetsIn {
+  std::vector<TargetRow> rows;
+  std::vector<std::string> remarks{};
+};
+
+TargetsIn targets_in(const Options& options) {
+  if (from_stdin(options)) return {};
+  if (!is_drawing(options.targets)) return {read_targets(options.targets)};
+  const Drawing drawing = drawing_in(options.targets, options);
+  return {targets_of(drawing, options.targets.string()), drawing.remarks};
+}
+
+/// Draws the first moves to these targets where a page is wanted.
+void draw_plan(const Options& options, const CalibratedCell& cell, const TargetsIn& targets) {
+  if (options.report.empty()) return;
+  const auto rows = first_moves_to(cell, start_of_run(options, cell), targets.rows);
+  write_file(options.report, plan_page(cell.settings.workspace, options.targets, targets.rows, rows,
+                                       targets.remarks));
+}
+
 Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
-  const std::vector<TargetRow> targets =
-      from_stdin(options) ? std::vector<TargetRow>() : read_targets(options.targets);
+  const TargetsIn read = targets_in(options);
+  const std::vector<TargetRow>& targets = read.rows;
   if (!from_stdin(options)) question_targets(targets, cell->settings.workspace, options.targets);
+  draw_plan(options, *cell, read);
   if (options.check) {
     check_files(options, *cell);
     return from_stdin(options) ? plan_stream(options, *cell) : print_check(options, *cell, targets);
@@ -315,9 +368,30 @@ std::vector<Guidance> guidances_of(const Options& options) {
   return {options.no_vision ? Guidance::kArm : Guidance::kVision};
 }
 
+/// Returns the speeds that a person wants, or else that of the drawing or the usual one.
+std::vector<double> speeds_of(const Options& options, const std::optional<Drawing>& drawing) {
+  if (!options.speeds_mm_s.empty() || !drawing || !drawing->speed_m_s)
+    return path_speeds(options.speeds_mm_s.empty() ? std::vector{kUsualSpeed_mm_s}
+                                                   : options.speeds_mm_s);
+  try {
+    return path_speeds({mm(*drawing->speed_m_s)});
+  } catch (const InputError& e) {
+    throw InputError(
+        {fmt::format("its feed is {:g} mm/s; {}", mm(*drawing->speed_m_s), e.refusal().fault),
+         "name a speed with --speed-mm-s", options.path});
+  }
+}
+
 Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
-  const PathRequest path{options.path, read_path(options.path, cell->settings.tool_orientation),
-                         guidances_of(options), path_speeds(options.speeds_mm_s)};
+  const double phi = cell->settings.tool_orientation;
+  std::optional<Drawing> drawing;
+  if (is_drawing(options.path)) drawing = drawing_in(options.path, options);
+  const PathRequest path{
+      options.path, drawing ? path_of(*drawing, phi, options.path) : read_path(options.path, phi),
+      guidances_of(options), speeds_of(options, drawing)};
+  if (!options.report.empty())
+    write_file(options.report, plan_page(cell->settings.workspace, options.path, path.path,
+                                         drawing ? drawing->remarks : std::vector<std::string>()));
   const std::vector<PathDemand> demands = require_followable(*cell, path);
   if (options.check) {
     check_files(options, *cell);
@@ -336,6 +410,9 @@ Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& ce
 }
 
 Outcome work(const Options& options) {
+  if (!options.report.empty() && (from_stdin(options) || !(options.check || options.dry_run)))
+    throw InputError(Refusal{"--report draws what --check or --dry-run find for a table or drawing",
+                             "add one of them; a run writes its report into DIR"});
   if (options.require_end && !from_stdin(options))
     throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
   const auto cell = std::make_shared<CalibratedCell>(

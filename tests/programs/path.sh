@@ -19,7 +19,26 @@ expect 2 "metres.csv: cannot be followed at 10 mm/s: 0.0 mm along the path" \
 printf 'x_mm,y_mm\n400,0\n700,0\n' >far.csv
 expect 2 "far.csv: cannot be followed at 10 mm/s: 1[0-9][0-9].[0-9] mm along the path, at \(5" \
   "${servo[@]}" --path far.csv --out made
+printf 'G21 G90\nG0 X260 Y200 Z5\nG28\n' >tools.nc
+expect 2 "tools.nc:2: moves Z.*" "${servo[@]}" --path tools.nc --out made
+printf 'G21 G90 F6000\nG0 X260 Y200\nG1 X220\n' >fast.nc
+expect 2 "fast.nc: its feed is 100 mm/s; .* name a speed with --speed-mm-s" "${servo[@]}" --path fast.nc --out made
+printf '0\nSECTION\n2\nENTITIES\n0\nPOINT\n8\n0\n10\n260\n20\n200\n0\nENDSEC\n0\nEOF\n' >holes.dxf
+expect 2 "holes.dxf: its header names no unit" "${servo[@]}" --targets holes.dxf --check
+expect 2 "holes.dxf: has no way to follow" "${servo[@]}" --path holes.dxf --drawing-unit mm --out made
+expect 2 "holes.dxf: nothing is drawn on a layer 'A'; there are 0" "${servo[@]}" --targets holes.dxf --layers A --check
+expect 2 "--report draws what --check or --dry-run find" "${servo[@]}" --path fast.nc --report plan.html
 [ ! -e made ] || fail "a refused path left a folder"
+
+# Programs and drawings of others, drawn before anything moves.
+printf '(an arc)\nG21 G90\nN1 G0 X260 Y200 F1200\nN2 G3 X220 Y200 I-20\n' >part.nc
+"${servo[@]}" --path part.nc --check --report plan.html >checked.txt
+grep -q "^part.nc: 62.8 mm" checked.txt && grep -q "^at 20 mm/s: " checked.txt || fail "$(cat checked.txt)"
+grep -q "The path is 62.8 mm long" plan.html || fail "the page of a path"
+"${servo[@]}" --targets holes.dxf --drawing-unit mm --check --report plan.html | grep -q "1 of 1 targets can be reached" ||
+  fail "the points of a drawing"
+grep -q "<td[^>]*>260.000</td>" plan.html || fail "the page of targets"
+"${servo[@]}" --targets part.nc --dry-run | grep -q "^N2" || fail "the targets of a program"
 
 "${servo[@]}" --path path.csv --speed-mm-s 10,50 --check >checked.txt
 grep -q "^at 50 mm/s: .* s; motor [123] needs [0-9]* % of its speed" checked.txt ||

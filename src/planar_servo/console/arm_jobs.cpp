@@ -12,6 +12,7 @@
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/console/json_values.h"
+#include "planar_servo/files/drawings/gcode.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/work/record/recorder.h"
 #include "planar_servo/work/run/path_report.h"
@@ -67,20 +68,6 @@ void require_size(const CertificateSize& size) {
 namespace fs = std::filesystem;
 
 constexpr char kPath[] = "the path";
-/// Arcs are drawn by lines that turn so far, radians.
-constexpr double kDrawnTurn = 0.05;
-
-std::vector<Eigen::Vector2d> drawn(const Path& path) {
-  std::vector<Eigen::Vector2d> places{path.at(0.0).pose.p};
-  for (const PathSegment& segment : path.segments()) {
-    const double turn = std::abs(segment.curvature()) * segment.length_m();
-    const int lines = 1 + static_cast<int>(turn / kDrawnTurn);
-    for (int i = 1; i <= lines; ++i)
-      places.push_back(segment.at(segment.length_m() * i / lines).pose.p);
-  }
-  return places;
-}
-
 std::size_t whole_mm(double metres) {
   return static_cast<std::size_t>(std::lround(mm(metres)));
 }
@@ -175,7 +162,9 @@ CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, Cell
 void PathJob::load(const std::string& csv) {
   std::optional<Table> table;
   if (csv.find_first_not_of(" \r\n") != csv.npos) {
-    table.emplace(Table{csv, read_path({kPath, csv}, cell_.settings().tool_orientation)});
+    const double phi = cell_.settings().tool_orientation;
+    table.emplace(Table{csv, is_gcode(csv) ? path_of(read_gcode(csv, kPath), phi, kPath)
+                                           : read_path({kPath, csv}, phi)});
     require_followable(cell_.calibrated(), {kPath, table->path, {}, {kSlowest_m_s}});
   }
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -188,7 +177,7 @@ nlohmann::ordered_json PathJob::json() const {
     return {{"csv", ""}, {"length_mm", 0.0}, {"places_mm", nlohmann::ordered_json::array()}};
   return {{"csv", table_->csv},
           {"length_mm", json_number(mm(table_->path.length_m()))},
-          {"places_mm", json_list(drawn(table_->path), json_mm)}};
+          {"places_mm", json_list(drawn_places(table_->path), json_mm)}};
 }
 
 int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm_s,
@@ -204,7 +193,7 @@ int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm
   if (speeds_mm_s.empty() || guidances.empty())
     throw InputError({"it is to be followed no time", "name a speed and what guides it", kPath});
   require_followable(cell_.calibrated(), path);
-  path.file = out / "path.csv";
+  path.file = out / (is_gcode(table->csv) ? "path.nc" : "path.csv");
   return jobs_.begin(Doing::kRunning, "path", name, known,
                      [=, csv = table->csv](CellDevices& devices, const CellJobs::Stop& stop,
                                            const CellJobs::Begun& begun) {

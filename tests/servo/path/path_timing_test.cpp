@@ -38,6 +38,17 @@ TEST_CASE("The end point rests at a corner and does not slow down where segments
   CHECK(straight.duration_s() == Approx(0.1 / 0.02 + 0.02 / 0.1));
 }
 
+TEST_CASE("The end point waits where its path says so, even where segments join smoothly") {
+  Waypoint waits = at(0.25, 0.0);
+  waits.rest_s = 2.0;
+  const PathTiming timing(Path({at(0.2, 0.0), waits, at(0.3, 0.0)}), 0.02);
+  const double half_s = 0.05 / 0.02 + 0.02 / 0.1;
+  CHECK(timing.duration_s() == Approx(2.0 * half_s + 2.0));
+  CHECK(timing.along_m(half_s + 0.1) == Approx(0.05));
+  CHECK(timing.along_m(half_s + 1.9) == Approx(0.05));
+  CHECK(timing.along_m(half_s + 2.5) > 0.051);
+}
+
 TEST_CASE("Neither speed nor acceleration nor what an arc asks for is ever exceeded") {
   const Path path({at(0.2, 0.0),
                    at(0.21, 0.0),

@@ -52,9 +52,11 @@ std::optional<Refusal> other_kind(std::string_view line) {
   if (line == "%" || (line.size() > 1 && line.find_first_of(",\t") == line.npos &&
                       std::strchr("GMNO", line[0]) != nullptr &&
                       std::isdigit(static_cast<unsigned char>(line[1])) != 0))
-    return Refusal{"is G-code", kOwnTable};
+    return Refusal{"is G-code", "name it .nc or .gcode where targets or a path are read, or " +
+                                    std::string(kOwnTable)};
   if (line == "0" || starts_with(line, "AutoCAD Binary DXF"))
-    return Refusal{"is a drawing (DXF)", kOwnTable};
+    return Refusal{"is a drawing (DXF)",
+                   "name it .dxf where targets or a path are read, or " + std::string(kOwnTable)};
   return std::nullopt;
 }
 

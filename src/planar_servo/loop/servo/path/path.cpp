@@ -52,12 +52,13 @@ bool joined_smoothly(const PathSegment& before, const PathSegment& after) {
 }
 
 /// Returns the speed at the beginning of each segment and at the end of the last one.
-std::vector<double> joint_speeds(const std::vector<PathSegment>& segments,
-                                 const std::vector<double>& tops) {
+std::vector<double> joint_speeds(const Path& path, const std::vector<double>& tops) {
+  const std::vector<PathSegment>& segments = path.segments();
   const std::size_t n = segments.size();
   std::vector<double> speeds(n + 1, 0.0);
   for (std::size_t i = 1; i < n; ++i)
-    if (joined_smoothly(segments[i - 1], segments[i])) speeds[i] = std::min(tops[i - 1], tops[i]);
+    if (path.rests_s()[i - 1] == 0.0 && joined_smoothly(segments[i - 1], segments[i]))
+      speeds[i] = std::min(tops[i - 1], tops[i]);
   const auto reachable = [&](double from, std::size_t i) {
     return std::sqrt(from * from + 2.0 * PathTiming::kAcceleration_m_s2 * segments[i].length_m());
   };
@@ -132,6 +133,7 @@ Path::Path(const std::vector<Waypoint>& waypoints) {
     const auto& via = waypoints[i].via;
     segments_.push_back(via ? PathSegment::arc(from, *via, to) : PathSegment::line(from, to));
     begins_.push_back(begins_.back() + segments_.back().length_m());
+    rests_s_.push_back(waypoints[i].rest_s);
   }
 }
 
@@ -155,14 +157,28 @@ PathOffset Path::offset(const Eigen::Vector2d& p_B, double near_m) const {
   return nearest.value_or(PathOffset{});
 }
 
+std::vector<Eigen::Vector2d> drawn_places(const Path& path) {
+  constexpr double kTurn = 0.05;  // of an arc between two of them, radians
+  std::vector<Eigen::Vector2d> places{path.at(0.0).pose.p};
+  for (const PathSegment& segment : path.segments()) {
+    const double turn = segment.curvature() * segment.length_m();
+    const int lines = 1 + static_cast<int>(turn / kTurn);
+    for (int i = 1; i <= lines; ++i)
+      places.push_back(segment.at(segment.length_m() * i / lines).pose.p);
+  }
+  return places;
+}
+
 PathTiming::PathTiming(const Path& path, double speed_m_s) {
   if (!(speed_m_s > 0.0) || !std::isfinite(speed_m_s))
     throw std::invalid_argument("a path's speed must be positive");
   std::vector<double> tops;
   for (const PathSegment& segment : path.segments()) tops.push_back(top_speed(segment, speed_m_s));
-  const std::vector<double> speeds = joint_speeds(path.segments(), tops);
-  for (std::size_t i = 0; i < tops.size(); ++i)
+  const std::vector<double> speeds = joint_speeds(path, tops);
+  for (std::size_t i = 0; i < tops.size(); ++i) {
     append(path.segments()[i].length_m(), speeds[i], speeds[i + 1], tops[i]);
+    append_phase(path.rests_s()[i], 0.0, 0.0);
+  }
 }
 
 void PathTiming::append(double length_m, double from, double to, double top) {

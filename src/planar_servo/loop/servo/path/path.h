@@ -56,6 +56,7 @@ std::optional<const char*> arc_fault(const Eigen::Vector2d& from, const Eigen::V
 struct Waypoint {
   TipPose pose;
   std::optional<Eigen::Vector2d> via{};
+  double rest_s{0.0};  ///< for which the end point waits there
 };
 
 /// Says where a point lies, seen from a path.
@@ -73,6 +74,8 @@ class Path {
 
   double length_m() const { return begins_.back(); }
   const std::vector<PathSegment>& segments() const { return segments_; }
+  /// Returns for how long the end point waits behind each segment, seconds.
+  const std::vector<double>& rests_s() const { return rests_s_; }
 
   /// Returns the place at this distance along the path; beyond an end, that end.
   PathPlace at(double along_m) const;
@@ -83,12 +86,15 @@ class Path {
 
  private:
   std::vector<PathSegment> segments_;
-  std::vector<double> begins_{0.0};
+  std::vector<double> begins_{0.0}, rests_s_;
 };
+
+/// Returns places to draw a path by, with straight lines between them.
+std::vector<Eigen::Vector2d> drawn_places(const Path& path);
 
 /// Says when the end point is where on its path: it begins and ends at rest, and speeds up and
 /// slows down evenly. At a corner it rests for a moment; on an arc it goes so slowly that
-/// v^2 / radius keeps the acceleration.
+/// v^2 / radius keeps the acceleration. Where the path says so, it waits longer.
 class PathTiming {
  public:
   /// Throws std::invalid_argument unless the speed is positive.

@@ -1,0 +1,231 @@
+#include "planar_servo/files/drawings/drawing.h"
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/drawings/gcode.h"
+#include "support/temporary_folder.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+constexpr double kExact_m = 1e-9;
+
+Drawing program(const std::string& text) {
+  return read_gcode(text, "p.nc");
+}
+
+Path path_of_program(const std::string& text) {
+  return path_of(program(text), 0.3, "p.nc");
+}
+
+bool is_at(const Eigen::Vector2d& p, double x_mm, double y_mm) {
+  return (p - Eigen::Vector2d(x_mm, y_mm) * kMillimetre).norm() < kExact_m;
+}
+
+Eigen::Vector2d end_of(const Path& path) {
+  return path.at(path.length_m()).pose.p;
+}
+
+TEST_CASE("A program's lines and arcs are gone as its words say") {
+  const Path path = path_of_program(
+      "%\n(a square, one corner round)\nN10 G21 G90 G17\nN20 G0 X300 Y-20\n"
+      "N30 G1 X340 F600 ; along x\ng1y10\nG3 X330 Y20 I-10 J0\nG1 X300\nY-20\nM2\nX0 Y0\n");
+  CHECK(is_at(path.at(0.0).pose.p, 300.0, -20.0));
+  CHECK(is_at(end_of(path), 300.0, -20.0));
+  CHECK(path.length_m() == Approx((40.0 + 30.0 + 5.0 * kPi + 30.0 + 40.0) * kMillimetre));
+  CHECK(path.segments()[2].curvature() == Approx(1.0 / (10.0 * kMillimetre)));
+  CHECK(is_at(path.at((70.0 + 2.5 * kPi) * kMillimetre).pose.p, 330.0 + 10.0 * std::sqrt(0.5),
+              10.0 + 10.0 * std::sqrt(0.5)));
+  CHECK(path.at(0.1).pose.phi == 0.3);
+}
+
+TEST_CASE("Arcs turn as G2 and G3 say, by centre or radius, long or short, and all round") {
+  const auto sweep_of = [](const std::string& arc) {
+    const Path path = path_of_program("G21 G90\nG0 X10 Y0\n" + arc);
+    return path.length_m() / (10.0 * kMillimetre);
+  };
+  CHECK(sweep_of("G3 X0 Y10 I-10 J0") == Approx(0.5 * kPi));
+  CHECK(sweep_of("G2 X0 Y10 I-10 J0") == Approx(1.5 * kPi));
+  CHECK(sweep_of("G3 X0 Y10 R10") == Approx(0.5 * kPi));
+  CHECK(sweep_of("G3 X0 Y10 R-10") == Approx(1.5 * kPi));
+  CHECK(sweep_of("G2 X0 Y10 R10") == Approx(0.5 * kPi));
+  CHECK(sweep_of("G3 I-10") == Approx(2.0 * kPi));
+  const Path circle = path_of_program("G21 G90\nG0 X10 Y0\nG2 I-10");
+  CHECK(is_at(circle.at(0.25 * circle.length_m()).pose.p, 0.0, -10.0));
+  CHECK(is_at(end_of(circle), 10.0, 0.0));
+}
+
+TEST_CASE("Inches, steps, rests and feeds are taken as the program sets them") {
+  const Drawing drawing = program("G20 G90 F60\nG0 X10 Y1\nG91 G1 X1\nG4 P1.5\nY-0.5\nG4 P0.5\n");
+  const Path path = path_of(drawing, 0.0, "p.nc");
+  CHECK(is_at(path.at(0.0).pose.p, 254.0, 25.4));
+  CHECK(is_at(end_of(path), 279.4, 12.7));
+  CHECK(path.rests_s() == std::vector<double>{1.5, 0.5});
+  CHECK(drawing.speed_m_s.value() == Approx(25.4 * kMillimetre));
+  CHECK(drawing.remarks.empty());
+  CHECK_THAT(program("G1 X1 Y1\nX2").remarks.at(0), Contains("taken as millimetres"));
+}
+
+TEST_CASE("The ends of a program's motions are targets, named by its line numbers") {
+  const auto targets =
+      targets_of(program("G21 G90\nN10 G0 X300 Y0\nN20 X310\nX320\nN20 Y5\n"), "p.nc");
+  REQUIRE(targets.size() == 4);
+  CHECK(targets[0].id == "N10");
+  CHECK(targets[2].id == "line 4");
+  CHECK(targets[3].id == "line 5");  // the program says N20 twice
+  CHECK(is_at(targets[3].p_d, 320.0, 5.0));
+}
+
+TEST_CASE("What means nothing to a planar arm is refused by its line, all of it at once") {
+  const std::pair<const char*, const char*> kBad[] = {
+      {"G1 X5 Z-2", "p.nc:3: moves Z"},
+      {"M3 S1000", "p.nc:3: M3 is not known"},
+      {"M0", "divide the program"},
+      {"G28", "p.nc:3: G28 is not known"},
+      {"G1 X#5", "p.nc:3: 'X' is no word"},
+      {"G1 X1,5", "p.nc:3"},
+      {"G3 X10 Y10 I-10 J0.5", "radius is"},
+      {"G3 X40 Y0 R10", "no arc of radius 10.0000 mm"},
+      {"G2 X5 Y5", "without I, J or R"},
+      {"G1 X5 I3", "is straight, but has I"},
+      {"G1 X5 F60\nX6 F120", "p.nc:4: the feed changes from 1 to 2 mm/s"},
+      {"G4", "G4 needs P"},
+      {"X5 X6", "has X twice"}};
+  for (const auto& [line, words] : kBad) {
+    INFO(line);
+    CHECK_THROWS_WITH(program(std::string("G21 G90\nG0 X10 Y0\n") + line + "\n"), Contains(words));
+  }
+  CHECK_THROWS_WITH(program("G21 G90\nX5 Y5\n"), Contains("no G0 to G3"));
+  CHECK_THROWS_WITH(program("G21 G91\nG0 X5 Y5\n"), Contains("begins nowhere"));
+  CHECK_THROWS_WITH(program("G21\nG2 X5 Y5 I1\n"), Contains("begins nowhere"));
+  CHECK_THROWS_WITH(program("G21 G0 X1 Y1\nM5\nG33\n"), Contains("M5") && Contains("G33"));
+  CHECK_THROWS_WITH(path_of_program("G21\nG0 X5 Y5\n"), Contains("no way to follow"));
+  CHECK_THROWS_WITH(targets_of(program("G21\n"), "p.nc"), Contains("has no points"));
+}
+
+TEST_CASE("A program is told from a table by how it begins") {
+  for (const char* text : {"%\n", " g0 X1", "N10 G1", "(part)", "; by hand", "F100"})
+    CHECK(is_gcode(text));
+  for (const char* text : {"x_mm,y_mm\n1,2\n", "", "# remark", "300,20", "Name,x"})
+    CHECK_FALSE(is_gcode(text));
+}
+
+/// A DXF with these entities; `unit` is the number of $INSUNITS.
+std::string dxf(const std::string& entities, int unit = 4) {
+  return fmt::format(
+      "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n0\nSECTION\n2\n"
+      "ENTITIES\n{}0\nENDSEC\n0\nEOF\n",
+      unit, entities);
+}
+
+std::string line_entity(double x1, double y1, double x2, double y2,
+                        const std::string& layer = "0") {
+  return fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", layer, x1, y1, x2, y2);
+}
+
+struct DxfFile {
+  test::TemporaryFolder folder;
+
+  Drawing read(const std::string& text, const DrawingSettings& settings = {}) const {
+    return read_drawing(folder.write("part.dxf", text), settings);
+  }
+};
+
+TEST_CASE("Lines that meet are one stroke, whichever way they were drawn") {
+  const DxfFile file;
+  const Drawing drawing = file.read(dxf(line_entity(300, 0, 340, 0) + line_entity(340, 30, 340, 0) +
+                                        line_entity(340, 30.004, 300, 30)));
+  REQUIRE(drawing.strokes.size() == 1);
+  const Path path = path_of(drawing, 0.0, "part.dxf");
+  CHECK(is_at(path.at(0.0).pose.p, 300.0, 0.0));
+  CHECK(is_at(end_of(path), 300.0, 30.0));
+  CHECK(drawing.remarks.empty());
+}
+
+TEST_CASE("Parts that do not meet are joined by straight ways, which is said") {
+  const DxfFile file;
+  const Drawing drawing = file.read(dxf(line_entity(300, 0, 310, 0) + line_entity(400, 0, 390, 0) +
+                                        "0\nCIRCLE\n8\n0\n10\n330\n20\n0\n40\n10\n"));
+  REQUIRE(drawing.strokes.size() == 3);
+  CHECK(is_at(drawing.strokes[1].front().p, 340.0, 0.0));  // the circle begins at angle 0
+  CHECK(is_at(drawing.strokes[2].front().p, 390.0, 0.0));  // turned: its near end first
+  CHECK_THAT(drawing.remarks.at(0), Contains("3 parts") && Contains("80.0 mm"));
+  CHECK(path_of(drawing, 0.0, "").length_m() ==
+        Approx((10.0 + 30.0 + 20.0 * kPi + 50.0 + 10.0) * kMillimetre));
+}
+
+TEST_CASE("Arcs and bulges of polylines are arcs") {
+  const DxfFile file;
+  const Drawing arc = file.read(dxf("0\nARC\n8\n0\n10\n300\n20\n0\n40\n10\n50\n90\n51\n0\n"));
+  const Path long_way = path_of(arc, 0.0, "");
+  CHECK(is_at(long_way.at(0.0).pose.p, 300.0, 10.0));
+  CHECK(is_at(end_of(long_way), 310.0, 0.0));
+  CHECK(long_way.length_m() == Approx(15.0 * kPi * kMillimetre));
+  // A slot: two half circles, counterclockwise, and its sides.
+  const Drawing slot = file.read(
+      dxf("0\nLWPOLYLINE\n8\n0\n90\n4\n70\n1\n10\n300\n20\n0\n10\n320\n20\n0\n42\n1\n10\n320\n20\n"
+          "10\n10\n300\n20\n10\n42\n1\n"));
+  const Path around = path_of(slot, 0.0, "");
+  CHECK(around.length_m() == Approx((40.0 + 10.0 * kPi) * kMillimetre));
+  CHECK(is_at(around.at((20.0 + 2.5 * kPi) * kMillimetre).pose.p, 325.0, 5.0));
+  CHECK(is_at(end_of(around), 300.0, 0.0));
+}
+
+TEST_CASE("Points are targets, and only chosen layers are read") {
+  const DxfFile file;
+  const std::string text =
+      dxf("0\nPOINT\n8\nHOLES\n10\n300\n20\n5\n0\nPOINT\n8\nHOLES\n10\n310\n20\n5\n" +
+          line_entity(0, 0, 1, 0, "FRAME") + "0\nSPLINE\n8\nFRAME\n0\nTEXT\n8\nHOLES\n1\nA\n");
+  const Drawing drawing = file.read(text, {{"HOLES"}, {}});
+  CHECK(drawing.strokes.empty());
+  const auto targets = targets_of(drawing, "part.dxf");
+  REQUIRE(targets.size() == 2);
+  CHECK(targets[1].id == "P2");
+  CHECK(is_at(targets[1].p_d, 310.0, 5.0));
+  CHECK(drawing.remarks == std::vector<std::string>{"left out: 1 TEXT"});
+  CHECK_THROWS_WITH(file.read(text), Contains("a SPLINE on the layer FRAME is not read"));
+  CHECK_THROWS_WITH(file.read(text, {{"HOLE"}, {}}),
+                    Contains("no layer") || Contains("nothing is drawn on a layer 'HOLE'"));
+}
+
+TEST_CASE("A drawing's unit is its header's, and asked for where that has none") {
+  const DxfFile file;
+  const std::string line = line_entity(10, 0, 11, 0);
+  CHECK(path_of(file.read(dxf(line, 1)), 0.0, "").length_m() == Approx(25.4 * kMillimetre));
+  CHECK(path_of(file.read(dxf(line, 5)), 0.0, "").length_m() == Approx(10.0 * kMillimetre));
+  CHECK_THROWS_WITH(file.read(dxf(line, 0)), Contains("names no unit"));
+  CHECK_THROWS_WITH(file.read(dxf(line, 13)), Contains("number 13 of $INSUNITS"));
+  CHECK(path_of(file.read(dxf(line, 0), {{}, kMillimetre}), 0.0, "").length_m() ==
+        Approx(kMillimetre));
+}
+
+TEST_CASE("What is no drawing, or a torn one, is refused where it is") {
+  const DxfFile file;
+  const std::string line = line_entity(0, 0, 1, 0), whole = dxf(line);
+  CHECK_THROWS_WITH(file.read(""), Contains("has no entities"));
+  CHECK_THROWS_WITH(file.read("x_mm,y_mm\n1,2\n"), Contains("part.dxf:1: 'x_mm,y_mm' is no group"));
+  CHECK_THROWS_WITH(file.read(whole.substr(0, whole.find("11\n1\n"))), Contains("is torn"));
+  CHECK_THROWS_WITH(file.read(dxf(line + "0\nLINE\n8\n0\n10\nabc\n20\n1\n11\n1\n21\n1\n")),
+                    Contains("part.dxf:32: 'abc' is no number"));
+  CHECK_THROWS_WITH(file.read(dxf("0\nCIRCLE\n8\n0\n10\n1\n20\n1\n")),
+                    Contains("a CIRCLE lacks its group 40"));
+  CHECK_THROWS_WITH(file.read(dxf("0\nARC\n8\n0\n230\n-1.0\n")), Contains("drawn from below"));
+}
+
+TEST_CASE("The corners of an old polyline are entities of their own") {
+  const DxfFile file;
+  const Drawing drawing = file.read(dxf(
+      "0\nPOLYLINE\n8\n0\n66\n1\n70\n0\n0\nVERTEX\n8\n0\n10\n300\n20\n0\n42\n1\n0\nVERTEX\n8\n0\n"
+      "10\n320\n20\n0\n0\nSEQEND\n" +
+      line_entity(320, 0, 330, 0)));
+  CHECK(path_of(drawing, 0.0, "").length_m() == Approx((10.0 * kPi + 10.0) * kMillimetre));
+}
+
+}  // namespace
+}  // namespace planar
