@@ -109,6 +109,25 @@ TEST_CASE("What means nothing to a planar arm is refused by its line, all of it 
   CHECK_THROWS_WITH(targets_of(program("G21\n"), "p.nc"), Contains("has no points"));
 }
 
+TEST_CASE("Ways that are none are left out, and places that no arm reaches are refused") {
+  const Path path = path_of_program(
+      "G21 G90\nG0 X300 Y0\nG1 X300.0001\nG3 X310 Y0 I5 J0\nG3 X310.004 Y0 I0.002 J0\nG1 X310 Y9\n"
+      "G2 X320 Y9 R1000000\n");
+  CHECK(path.length_m() == Approx((5.0 * kPi + 9.0 + 10.0) * kMillimetre).epsilon(1e-3));
+  // An arc of 30 m radius, 40 um high, is gone straight within a micrometre.
+  const Path flat = path_of_program("G21 G90\nG0 X300 Y0\nG3 X400 Y0 R30000\n");
+  CHECK(flat.segments().size() == 7);
+  for (double along_m = 0.0; along_m < 0.1; along_m += 0.001) {
+    const Eigen::Vector2d p = flat.at(along_m).pose.p;
+    // A circle about (0.35, h), h = sqrt(R^2 - c^2 / 4), below its chord.
+    const double depth_m = std::sqrt(900.0 - 0.0025) - std::sqrt(900.0 - std::pow(p.x() - 0.35, 2));
+    CHECK(p.y() == Approx(depth_m).margin(1.1e-6));
+  }
+  CHECK_THROWS_WITH(path_of_program("G20 G90\nG0 X300 Y0\nG1 X400\n"),
+                    Contains("10.16 m from the base") && Contains("is the unit right?"));
+  CHECK_THROWS_WITH(targets_of(program("G21\nG0 X1e30 Y0\n"), "p.nc"), Contains("p.nc"));
+}
+
 TEST_CASE("A program is told from a table by how it begins") {
   for (const char* text : {"%\n", " g0 X1", "N10 G1", "(part)", "; by hand", "F100"})
     CHECK(is_gcode(text));

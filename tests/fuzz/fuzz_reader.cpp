@@ -15,6 +15,7 @@
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/camera_file.h"
+#include "planar_servo/files/drawings/drawing.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/pair_table.h"
@@ -67,6 +68,13 @@ void read_board_lines(const fs::path& path) {
   for (std::string line; std::getline(in, line);) grbl::parse_line(line);
 }
 
+/// Goes as far with a drawing as a run does before it asks the cell.
+void read_drawn(const fs::path& path) {
+  const Drawing drawing = read_drawing(path, {{}, 1e-3});
+  if (!drawing.points.empty()) targets_of(drawing, path);
+  PathTiming(path_of(drawing, 0.0, path), 0.01).duration_s();
+}
+
 struct Reader {
   const char* file;  ///< the name under which the reader is given its bytes
   std::function<void(const fs::path&)> read;
@@ -91,6 +99,8 @@ const std::map<std::string, Reader>& readers() {
       {"pairs", {"pairs.csv", [](const fs::path& path) { read_pairs(path); }}},
       {"path", {"path.csv", [](const fs::path& path) { read_path(path, 0.0); }}},
       {"plan", {"plan.csv", [](const fs::path& path) { read_plan(path, 0.0); }}},
+      {"dxf", {"part.dxf", read_drawn}},
+      {"gcode", {"part.nc", read_drawn}},
       {"results", {"results.csv", [](const fs::path& path) { read_results(path); }}},
       {"targets", {"targets.csv", [](const fs::path& path) { read_targets(path); }}},
       {"tracker", {"tracker.csv", [](const fs::path& path) { read_tracker(path, {}); }}},

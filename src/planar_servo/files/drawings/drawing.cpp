@@ -8,6 +8,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/drawings/dxf.h"
@@ -26,6 +27,52 @@ std::string ending_of(const std::filesystem::path& path) {
 bool is_program(const std::string& ending) {
   constexpr const char* kEndings[] = {".nc", ".ngc", ".gcode", ".cnc", ".tap"};
   return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings);
+}
+
+/// No planar arm reaches as far: a place beyond is in another unit.
+constexpr double kFarthest_m = 10.0;
+
+void require_near(const DrawnPlace& place, const std::string& where) {
+  for (const auto& p : {std::optional(place.p), place.via})
+    if (p && !(p->norm() <= kFarthest_m))
+      throw InputError({fmt::format("has a place {:g} m from the base", p->norm()),
+                        "no arm reaches it: is the unit right?", where});
+}
+
+/// Returns the places by which an arc that hardly bends is gone straight, within a micrometre; its
+/// circle would not be told by three places. Empty for one that bends. `to.via` is its middle.
+std::vector<Eigen::Vector2d> flat_arc(const Eigen::Vector2d& from, const DrawnPlace& to) {
+  constexpr double kFlat = 2e-3;  // the middle's height over the chord
+  const Eigen::Vector2d chord = to.p - from, bow = *to.via - 0.5 * (from + to.p);
+  if (bow.norm() > std::max(kFlat * chord.norm(), kSamePoint_m)) return {};
+  const int lines = 1 + static_cast<int>(std::sqrt(bow.norm() / kSamePoint_m));
+  std::vector<Eigen::Vector2d> places;
+  for (int i = 1; i <= lines; ++i) {
+    const double share = static_cast<double>(i) / lines;
+    places.emplace_back(from + share * chord + 4.0 * share * (1.0 - share) * bow);
+  }
+  return places;
+}
+
+/// Adds the next place of a path, unless the way to it is none.
+void add_place(const DrawnPlace& place, double phi, const std::string& where,
+               std::vector<Waypoint>& waypoints) {
+  require_near(place, where);
+  if (place.via && !waypoints.empty()) {
+    const std::vector<Eigen::Vector2d> flat = flat_arc(waypoints.back().pose.p, place);
+    for (const Eigen::Vector2d& p : flat) add_place({"", p}, phi, where, waypoints);
+    if (!flat.empty()) {
+      waypoints.back().rest_s += place.rest_s;
+      return;
+    }
+    if (const auto fault = arc_fault(waypoints.back().pose.p, *place.via, place.p))
+      throw InputError({fmt::format("the arc to {} cannot be gone: {}", place_mm(place.p), *fault),
+                        "draw it larger, or leave it out", where});
+  } else if (!waypoints.empty() && (place.p - waypoints.back().pose.p).norm() < kSamePoint_m) {
+    waypoints.back().rest_s += place.rest_s;
+    return;
+  }
+  waypoints.push_back({{place.p, phi}, place.via, place.rest_s});
 }
 
 }  // namespace
@@ -54,16 +101,8 @@ Drawing read_drawing(const std::filesystem::path& path, const DrawingSettings& s
 
 Path path_of(const Drawing& drawing, double tool_orientation, const std::string& where) {
   std::vector<Waypoint> waypoints;
-  for (const Stroke& stroke : drawing.strokes) {
-    for (const DrawnPlace& place : stroke) {
-      const bool repeats = !waypoints.empty() && !place.via &&
-                           (place.p - waypoints.back().pose.p).norm() < kSamePoint_m;
-      if (repeats)
-        waypoints.back().rest_s += place.rest_s;
-      else
-        waypoints.push_back({{place.p, tool_orientation}, place.via, place.rest_s});
-    }
-  }
+  for (const Stroke& stroke : drawing.strokes)
+    for (const DrawnPlace& place : stroke) add_place(place, tool_orientation, where, waypoints);
   if (waypoints.size() < 2)
     throw InputError({"has no way to follow, only single places or nothing",
                       "draw lines or arcs, or give it as --targets", where});
@@ -75,7 +114,10 @@ std::vector<TargetRow> targets_of(const Drawing& drawing, const std::string& whe
     throw InputError({"has no points", "draw points, or give it as --path", where});
   std::vector<TargetRow> targets;
   targets.reserve(drawing.points.size());
-  for (const DrawnPlace& point : drawing.points) targets.push_back({point.name, point.p, {}});
+  for (const DrawnPlace& point : drawing.points) {
+    require_near(point, where);
+    targets.push_back({point.name, point.p, {}});
+  }
   return targets;
 }
 

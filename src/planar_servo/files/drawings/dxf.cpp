@@ -28,6 +28,12 @@ std::optional<double> unit_of(int number) {
   return found == units.end() ? std::nullopt : std::optional(found->second);
 }
 
+/// Returns a number that stands for a choice; 0, which is none, where there is no such number.
+int whole(const std::optional<double>& number) {
+  constexpr double kMost = 1e6;
+  return number && std::abs(*number) < kMost ? static_cast<int>(*number) : 0;
+}
+
 /// What is drawn, but not gone.
 bool is_lettering(const std::string& entity) {
   constexpr const char* kLettering[] = {"TEXT", "MTEXT", "DIMENSION", "LEADER", "ATTDEF", "HATCH"};
@@ -54,8 +60,9 @@ std::vector<Group> groups_of(const std::string& text, const std::string& file) {
   std::istringstream lines(text);
   std::string code, value;
   for (int line = 2; std::getline(lines, code) && std::getline(lines, value); line += 2) {
+    constexpr double kMostCode = 1071.0;
     const auto number = finite_number(trimmed(code));
-    if (!number)
+    if (!number || std::abs(*number) > kMostCode)
       throw InputError({fmt::format("'{}' is no group code", trimmed(code)),
                         "save the drawing as ASCII DXF; a binary one is not read",
                         fmt::format("{}:{}", file, line - 1)});
@@ -92,7 +99,7 @@ class DxfPieces {
       else if (entity)
         entity->groups.push_back(group);
       else if (section == "HEADER" && group.text == "$INSUNITS" && i + 1 < groups.size())
-        unit = static_cast<int>(finite_number(groups[i + 1].text).value_or(0.0));
+        unit = whole(finite_number(groups[i + 1].text));
     }
     if (entity || !section.empty())
       faults.add({"ends within a section", "it is torn: save it again", file_});
@@ -123,18 +130,18 @@ class DxfPieces {
 
   /// Returns whether the entity is of a kind that is read.
   bool add_known(const Entity& entity) {
-    constexpr int kRadius = 40, kBegin = 50, kEnd = 51;
+    constexpr int kBegin = 50, kEnd = 51;
     if (entity.kind == "POINT") {
       points.push_back({fmt::format("P{}", points.size() + 1), place(entity, 10)});
     } else if (entity.kind == "LINE") {
       strokes.push_back({{"", place(entity, 10)}, {"", place(entity, 11)}});
     } else if (entity.kind == "CIRCLE") {
-      add_round(place(entity, 10), needed(entity, kRadius), 0.0, 2.0 * kPi);
+      add_round(place(entity, 10), radius_of(entity), 0.0, 2.0 * kPi);
     } else if (entity.kind == "ARC") {
       const double begin = needed(entity, kBegin) * kDegree;
       double sweep = std::fmod(needed(entity, kEnd) * kDegree - begin, 2.0 * kPi);
       if (sweep <= 0.0) sweep += 2.0 * kPi;
-      add_round(place(entity, 10), needed(entity, kRadius), begin, sweep);
+      add_round(place(entity, 10), radius_of(entity), begin, sweep);
     } else if (entity.kind == "LWPOLYLINE") {
       begin_polyline(entity);
       add_corners(entity);
@@ -160,7 +167,7 @@ class DxfPieces {
     constexpr int kFlags = 70, kClosed = 1;
     polyline_.emplace();
     bulge_ = 0.0;
-    is_closed_ = (static_cast<int>(number_of(entity, kFlags).value_or(0.0)) & kClosed) != 0;
+    is_closed_ = (whole(number_of(entity, kFlags)) & kClosed) != 0;
   }
 
   /// Takes a corner of a POLYLINE, or its end.
@@ -224,6 +231,13 @@ class DxfPieces {
       refuse(entity, fmt::format("a {} lacks its group {}", entity.kind, code),
              "save the drawing again");
     return number.value_or(0.0);
+  }
+
+  double radius_of(const Entity& entity) {
+    const double radius = needed(entity, 40);
+    if (!(radius > 0.0))
+      refuse(entity, fmt::format("a {} has the radius {:g}", entity.kind, radius), "leave it out");
+    return radius;
   }
 
   /// Returns the place whose x has this code, and whose y the one ten above it.

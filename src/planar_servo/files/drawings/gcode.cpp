@@ -133,7 +133,9 @@ class GcodeProgram {
   }
 
   void take_g(double number) {
-    const int tenths = static_cast<int>(std::lround(10.0 * number));
+    constexpr double kMost = 100.0;  // there is no G-code of more than two digits
+    const int tenths =
+        number >= 0.0 && number < kMost ? static_cast<int>(std::lround(10.0 * number)) : -1;
     switch (tenths) {
       case 0:
       case 10:
@@ -194,8 +196,9 @@ class GcodeProgram {
 
   void rest() {
     const auto seconds = numbers_.find('P');
-    if (seconds == numbers_.end() || seconds->second < 0.0)
-      return refuse("G4 needs P, a time in seconds", "such as G4 P0.5");
+    constexpr double kLongest_s = 3600.0;
+    if (seconds == numbers_.end() || !(seconds->second >= 0.0 && seconds->second <= kLongest_s))
+      return refuse("G4 needs P, a time of at most an hour in seconds", "such as G4 P0.5");
     if (!stroke_.empty()) stroke_.back().rest_s += seconds->second;
   }
 
@@ -243,7 +246,7 @@ class GcodeProgram {
     const Eigen::Vector2d offset(number('I').value_or(0.0), number('J').value_or(0.0));
     const double first_m = offset.norm(), last_m = (end - from - offset).norm();
     if (first_m < kSamePoint_m) {
-      refuse("is an arc without I, J or R", "name its centre or radius");
+      refuse("is an arc without I, J or R, or of no radius", "name its centre or radius");
       return std::nullopt;
     }
     if (std::abs(first_m - last_m) > std::max(kRadii_m, kRadiiShare * first_m)) {
