@@ -83,7 +83,7 @@ TEST_CASE("The ends of a program's motions are targets, named by its line number
 }
 
 TEST_CASE("What means nothing to a planar arm is refused by its line, all of it at once") {
-  const std::pair<const char*, const char*> kBad[] = {
+  const std::pair<const char*, const char*> bad[] = {
       {"G1 X5 Z-2", "p.nc:3: moves Z"},
       {"M3 S1000", "p.nc:3: M3 is not known"},
       {"M0", "divide the program"},
@@ -97,7 +97,7 @@ TEST_CASE("What means nothing to a planar arm is refused by its line, all of it 
       {"G1 X5 F60\nX6 F120", "p.nc:4: the feed changes from 1 to 2 mm/s"},
       {"G4", "G4 needs P"},
       {"X5 X6", "has X twice"}};
-  for (const auto& [line, words] : kBad) {
+  for (const auto& [line, words] : bad) {
     INFO(line);
     CHECK_THROWS_WITH(program(std::string("G21 G90\nG0 X10 Y0\n") + line + "\n"), Contains(words));
   }

@@ -82,6 +82,7 @@ TEST_CASE("Frames of one rest lessen their noise, not the shift that they share"
   for (int i = 0; i < kRuns; ++i) {
     const Eigen::Vector2d shift = shaken(kShift_px);
     std::vector<Observation> frames;
+    frames.reserve(kFrames);
     for (int k = 0; k < kFrames; ++k)
       frames.push_back(
           {0.1 * k,

@@ -193,6 +193,7 @@ void CellJobs::hold(const std::string& reason) {
 
 void CellJobs::note_findings(const std::vector<HealthFinding>& found) {
   std::vector<Refusal> findings;
+  findings.reserve(found.size());
   for (const Refusal& finding : found) findings.push_back(finding.at("the check of the cell"));
   worker_.note_findings(std::move(findings));
   const bool tolerable = std::none_of(found.begin(), found.end(), [](const HealthFinding& finding) {

@@ -231,9 +231,9 @@ std::optional<VisionTip> tip_from_lamps(const Workplane& workplane, const ToolOf
   double variance_phi = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {
     const Eigen::Matrix2d J = slopes[k].p * m_per_px[k];
-    const Eigen::RowVector2d J_phi = slopes[k].phi * m_per_px[k];
+    const Eigen::RowVector2d phi_by_px = slopes[k].phi * m_per_px[k];
     found.noise += J * seen.covariances_px2[k] * J.transpose();
-    variance_phi += J_phi * seen.covariances_px2[k] * J_phi.transpose();
+    variance_phi += phi_by_px * seen.covariances_px2[k] * phi_by_px.transpose();
     by_shift += J;
   }
   found.covariance = found.noise + by_shift * seen.common_px2 * by_shift.transpose();

@@ -182,7 +182,7 @@ PathTiming::PathTiming(const Path& path, double speed_m_s) {
 }
 
 void PathTiming::append(double length_m, double from, double to, double top) {
-  constexpr double a = kAcceleration_m_s2;
+  const double a = kAcceleration_m_s2;
   const double peak = std::min(top, std::sqrt(a * length_m + 0.5 * (from * from + to * to)));
   const double ramps_m = (2.0 * peak * peak - from * from - to * to) / (2.0 * a);
   append_phase((peak - from) / a, from, a);
