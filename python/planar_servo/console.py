@@ -96,7 +96,8 @@ class Console:
     def command(self, line: str) -> str:
         """Does a line as planar-jog takes it, such as 'enable', 'home' or 'x 5', and returns its answer.
 
-        Raises WorkError where the arm refuses it.
+        Raises InputError for a line that is no command, and for what the arm may not do; WorkError for what fails, and
+        for a motion that was stopped.
         """
         answer = self._json("/api/command", {"line": line}, patience_s=None)
         if not answer["done"]:

@@ -109,7 +109,10 @@ class Afternoon:
     def show_boards(self):
         for i, shown in enumerate(["hold 0", "hold 2", "hold 4", "hold 5", "hold 6", "lay 0"]):
             view = f"held_{i}" if i < HELD else "laid"
-            self.page.wait(f"{PERSON}.includes('{view}: ') || {PERSON}.includes('is taken; ')", 30)
+            try:
+                self.page.wait(f"{PERSON}.includes('{view}: ') || {PERSON}.includes('is taken; ')", 30)
+            except AssertionError as fault:
+                raise AssertionError(f"{fault}; the page says: {self.page.text('#person-text')}") from None
             wanted = self.page.text("#person-text")
             self.served.do(f"board {shown}")
             if i == 1:
