@@ -267,8 +267,10 @@ void Connections::close_all() {
   left_.wait_for(lock, kMaySay, [&] { return served_ == 0; });  // the last answers go out
   while (served_ > 0) {
     const bool patient = SteadyTime::now() - begun < kPatience;
+    // Whoever is answered waits for a moment, too, until the socket takes the next bytes.
+    const auto latest = (SteadyTime::now() - kMaySay).time_since_epoch().count();
     for (const Entry& entry : entries_)
-      if (entry.waits || !patient) shutdown(entry.socket, SHUT_RDWR);
+      if ((entry.waits && entry.since < latest) || !patient) shutdown(entry.socket, SHUT_RDWR);
     left_.wait_for(lock, milliseconds(20));
   }
 }
