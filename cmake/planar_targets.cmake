@@ -64,7 +64,7 @@ function(planar_precompile target name)
 endfunction()
 
 planar_precompiled(planar_room_headers LINKS opencv_core HEADERS opencv2/core.hpp)
-# Programs and the rooms above the loop are large and compute little: -O1 takes a fifth to a third off.
+# Programs and the rooms above the loop are large and compute little: -O1 takes a sixth off.
 planar_precompiled(planar_program_headers
   LINKS CLI11::CLI11 nlohmann_json::nlohmann_json opencv_core
   HEADERS CLI/App.hpp nlohmann/json.hpp opencv2/core.hpp LEVEL -O1)

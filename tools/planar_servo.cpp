@@ -46,7 +46,7 @@ log and report: DIR)"};
 constexpr char kStdin[] = "standard input";
 
 constexpr Named<double> kDrawingUnits[] = {
-    {kMillimetre, "mm"}, {10.0 * kMillimetre, "cm"}, {1.0, "m"}, {25.4 * kMillimetre, "inch"}};
+    {kMillimetre, "mm"}, {10.0 * kMillimetre, "cm"}, {1.0, "m"}, {kInch, "inch"}};
 
 struct Options {
   fs::path cell, targets, path;
@@ -87,7 +87,8 @@ void add_goals(CLI::App& app, Options& options) {
   app.add_option("--layers", options.drawing.layers, "layers of a DXF to read; by default all")
       ->delimiter(',')
       ->type_name("NAME,...");
-  app.add_option("--drawing-unit", options.drawing_unit, "unit of a DXF whose header names none")
+  app.add_option("--drawing-unit", options.drawing_unit,
+                 "unit of a DXF, instead of its header's, which may name none")
       ->check(CLI::IsMember(names_of(kDrawingUnits)));
   auto* no_vision =
       app.add_flag("--no-vision", options.no_vision,
@@ -212,17 +213,37 @@ Joints start_of_run(const Options& options, const CalibratedCell& cell) {
   return check.end;
 }
 
-Outcome print_dry_run(const Options& options, const CalibratedCell& cell,
-                      const std::vector<TargetRow>& targets) {
-  const auto rows = first_moves_to(cell, start_of_run(options, cell), targets);
+/// The targets of a table or drawing, and what the drawing leaves open.
+struct TargetsIn {
+  std::vector<TargetRow> rows;
+  std::vector<std::string> remarks{};
+};
+
+TargetsIn targets_in(const Options& options) {
+  if (from_stdin(options)) return {};
+  if (!is_drawing(options.targets)) return {read_targets(options.targets)};
+  const Drawing drawing = drawing_in(options.targets, options);
+  return {targets_of(drawing, options.targets.string()), drawing.remarks};
+}
+
+/// Plans the first move to each target, and draws it where a page is wanted. A check refuses
+/// targets outside the error map, too.
+std::vector<DryRunRow> planned_moves(const Options& options, const CalibratedCell& cell,
+                                     const TargetsIn& targets) {
+  auto rows = first_moves_to(cell, start_of_run(options, cell), targets.rows);
+  if (options.check) refuse_outside_map(rows, targets.rows, cell);
+  if (!options.report.empty())
+    write_file(options.report, plan_page(cell.settings.workspace, options.targets, targets.rows,
+                                         rows, targets.remarks));
+  return rows;
+}
+
+Outcome print_dry_run(const std::vector<DryRunRow>& rows) {
   say("{}", dry_run_text(rows));
   return {dry_run_json(rows), count_refused(rows) == 0};
 }
 
-Outcome print_check(const Options& options, const CalibratedCell& cell,
-                    const std::vector<TargetRow>& targets) {
-  auto rows = first_moves_to(cell, start_of_run(options, cell), targets);
-  refuse_outside_map(rows, targets, cell);
+Outcome print_check(const CalibratedCell& cell, const std::vector<DryRunRow>& rows) {
   const std::size_t refused = count_refused(rows);
   say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
       refusals_text(rows), cell.settings.file.string(), rows.size() - refused, rows.size());
@@ -317,39 +338,16 @@ std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices
                                         request.folder.path / "judge.csv", request.stop);
 }
 
-/// The targets of a table or drawing, and what the drawing leaves open.
-struct TargetsIn {
-  std::vector<TargetRow> rows;
-  std::vector<std::string> remarks{};
-};
-
-TargetsIn targets_in(const Options& options) {
-  if (from_stdin(options)) return {};
-  if (!is_drawing(options.targets)) return {read_targets(options.targets)};
-  const Drawing drawing = drawing_in(options.targets, options);
-  return {targets_of(drawing, options.targets.string()), drawing.remarks};
-}
-
-/// Draws the first moves to these targets where a page is wanted.
-void draw_plan(const Options& options, const CalibratedCell& cell, const TargetsIn& targets) {
-  if (options.report.empty()) return;
-  const auto rows = first_moves_to(cell, start_of_run(options, cell), targets.rows);
-  write_file(options.report, plan_page(cell.settings.workspace, options.targets, targets.rows, rows,
-                                       targets.remarks));
-}
-
 Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
   const TargetsIn read = targets_in(options);
   const std::vector<TargetRow>& targets = read.rows;
   if (!from_stdin(options)) question_targets(targets, cell->settings.workspace, options.targets);
-  draw_plan(options, *cell, read);
-  if (options.check) {
-    check_files(options, *cell);
-    return from_stdin(options) ? plan_stream(options, *cell) : print_check(options, *cell, targets);
+  if (options.check) check_files(options, *cell);
+  if (options.check || options.dry_run) {
+    if (from_stdin(options)) return plan_stream(options, *cell);
+    const std::vector<DryRunRow> rows = planned_moves(options, *cell, read);
+    return options.check ? print_check(*cell, rows) : print_dry_run(rows);
   }
-  if (options.dry_run)
-    return from_stdin(options) ? plan_stream(options, *cell)
-                               : print_dry_run(options, *cell, targets);
   ServoRequest request = request_of(options, cell);
   request.policy.learns = cell->settings.servo.learns;
   heed_interrupts();
@@ -413,6 +411,7 @@ Outcome work(const Options& options) {
   if (!options.report.empty() && (from_stdin(options) || !(options.check || options.dry_run)))
     throw InputError(Refusal{"--report draws what --check or --dry-run find for a table or drawing",
                              "add one of them; a run writes its report into DIR"});
+  if (!options.report.empty()) require_writable(options.report, "page");
   if (options.require_end && !from_stdin(options))
     throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
   const auto cell = std::make_shared<CalibratedCell>(

@@ -96,6 +96,8 @@ TEST_CASE("What means nothing to a planar arm is refused by its line, all of it 
       {"G1 X5 I3", "is straight, but has I"},
       {"G1 X5 F60\nX6 F120", "p.nc:4: the feed changes from 1 to 2 mm/s"},
       {"G4", "G4 needs P"},
+      {"G4 P1 X5", "waits and moves at once"},
+      {"G1 X5 P1", "has P without G4"},
       {"X5 X6", "has X twice"}};
   for (const auto& [line, words] : bad) {
     INFO(line);
@@ -222,6 +224,9 @@ TEST_CASE("A drawing's unit is its header's, and asked for where that has none")
   CHECK_THROWS_WITH(file.read(dxf(line, 13)), Contains("number 13 of $INSUNITS"));
   CHECK(path_of(file.read(dxf(line, 0), {{}, kMillimetre}), 0.0, "").length_m() ==
         Approx(kMillimetre));
+  const Drawing other = file.read(dxf(line, 4), {{}, kInch});
+  CHECK(path_of(other, 0.0, "").length_m() == Approx(kInch));
+  CHECK_THAT(other.remarks.at(0), Contains("a unit of 1 mm; 25.4 mm are taken as asked"));
 }
 
 TEST_CASE("What is no drawing, or a torn one, is refused where it is") {

@@ -38,6 +38,9 @@ grep -q "The path is 62.8 mm long" plan.html || fail "the page of a path"
 "${servo[@]}" --targets holes.dxf --drawing-unit mm --check --report plan.html | grep -q "1 of 1 targets can be reached" ||
   fail "the points of a drawing"
 grep -q "<td[^>]*>260.000</td>" plan.html || fail "the page of targets"
+cp part.nc kept.nc
+expect 2 "kept.nc: is a file of another program" "${servo[@]}" --path part.nc --check --report kept.nc
+cmp part.nc kept.nc || fail "a page replaced a program"
 "${servo[@]}" --targets part.nc --dry-run | grep -q "^N2" || fail "the targets of a program"
 
 "${servo[@]}" --path path.csv --speed-mm-s 10,50 --check >checked.txt

@@ -7,6 +7,7 @@ namespace planar {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMillimetre = 1e-3;
 constexpr double kMicrometre = 1e-6;
+constexpr double kInch = 25.4 * kMillimetre;
 constexpr double kMillisecond = 1e-3;
 constexpr double kMicrosecond = 1e-6;
 constexpr double kDegree = kPi / 180.0;

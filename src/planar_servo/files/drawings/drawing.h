@@ -38,7 +38,7 @@ struct Drawing {
 /// What a drawing does not say itself.
 struct DrawingSettings {
   std::vector<std::string> layers{};  ///< of a DXF that are read; empty for all
-  std::optional<double> unit_m{};     ///< of a DXF whose header names none
+  std::optional<double> unit_m{};     ///< of a DXF, instead of its header's
 };
 
 /// Returns whether a file's name ends as those of drawings do, in .dxf, or as those of programs for

@@ -23,7 +23,7 @@ constexpr double kMeet_m = 0.01 * kMillimetre;
 /// Returns the unit of this number in $INSUNITS; empty for none.
 std::optional<double> unit_of(int number) {
   const std::map<int, double> units{
-      {1, 25.4 * kMillimetre}, {2, 304.8 * kMillimetre}, {4, kMillimetre}, {5, 0.01}, {6, 1.0}};
+      {1, kInch}, {2, 12.0 * kInch}, {4, kMillimetre}, {5, 10.0 * kMillimetre}, {6, 1.0}};
   const auto found = units.find(number);
   return found == units.end() ? std::nullopt : std::optional(found->second);
 }
@@ -295,9 +295,17 @@ void scale(std::vector<DrawnPlace>& places, double unit_m) {
   }
 }
 
-double unit_of(const DxfPieces& pieces, const DrawingSettings& settings, const std::string& file) {
-  if (settings.unit_m) return *settings.unit_m;
+/// Returns the unit that a person names, or else the header's. Remarks where they differ.
+double unit_of(const DxfPieces& pieces, const DrawingSettings& settings, const std::string& file,
+               std::vector<std::string>& remarks) {
   const auto stated = pieces.unit ? unit_of(*pieces.unit) : std::nullopt;
+  if (settings.unit_m) {
+    if (stated && *stated != *settings.unit_m)
+      remarks.push_back(
+          fmt::format("its header names a unit of {:g} mm; {:g} mm are taken as asked", mm(*stated),
+                      mm(*settings.unit_m)));
+    return *settings.unit_m;
+  }
   if (!stated)
     throw InputError({pieces.unit && *pieces.unit != 0
                           ? fmt::format("its unit is number {} of $INSUNITS", *pieces.unit)
@@ -315,8 +323,8 @@ void require_layers(const DxfPieces& pieces, const DrawingSettings& settings,
 }
 
 /// Says what is not gone, and what is gone though it is not drawn.
-std::vector<std::string> remarks_on(const DxfPieces& pieces, const std::vector<Stroke>& strokes) {
-  std::vector<std::string> remarks;
+void remark_on(const DxfPieces& pieces, const std::vector<Stroke>& strokes,
+               std::vector<std::string>& remarks) {
   for (const auto& [kind, count] : pieces.left_out)
     remarks.push_back(fmt::format("left out: {} {}", count, kind));
   double between_m = 0.0;
@@ -326,7 +334,6 @@ std::vector<std::string> remarks_on(const DxfPieces& pieces, const std::vector<S
     remarks.push_back(fmt::format(
         "its {} parts do not meet: between them the end point goes straight, {:.1f} mm in all",
         strokes.size(), mm(between_m)));
-  return remarks;
 }
 
 }  // namespace
@@ -339,13 +346,13 @@ Drawing read_dxf(const std::filesystem::path& path, const DrawingSettings& setti
   if (pieces.layers_seen.empty())
     throw InputError({"has no entities", "save the drawing as ASCII DXF with its model", file});
   require_layers(pieces, settings, file);
-  const double unit_m = unit_of(pieces, settings, file);
   Drawing drawing;
+  const double unit_m = unit_of(pieces, settings, file, drawing.remarks);
   for (Stroke& stroke : pieces.strokes) scale(stroke, unit_m);
   scale(pieces.points, unit_m);
   drawing.strokes = joined(std::move(pieces.strokes));
   drawing.points = std::move(pieces.points);
-  drawing.remarks = remarks_on(pieces, drawing.strokes);
+  remark_on(pieces, drawing.strokes, drawing.remarks);
   return drawing;
 }
 

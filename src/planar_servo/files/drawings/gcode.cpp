@@ -18,7 +18,6 @@
 namespace planar {
 namespace {
 
-constexpr double kInch = 25.4 * kMillimetre;
 /// The radii of an arc's ends may differ by so much, as in LinuxCNC: programs round their numbers.
 constexpr double kRadii_m = 5e-6, kRadiiShare = 1e-3;
 constexpr double kMinute_s = 60.0;
@@ -56,6 +55,7 @@ class GcodeProgram {
     name_ = fmt::format("line {}", line_);
     dwells_ = false;
     for (const Word& word : words) take_word(word);
+    if (numbers_.count('P') != 0 && !dwells_) refuse("has P without G4", "P is a time to wait");
     if (dwells_)
       rest();
     else if (numbers_.count('X') + numbers_.count('Y') + numbers_.count('I') + numbers_.count('J') +
@@ -197,6 +197,7 @@ class GcodeProgram {
   void rest() {
     const auto seconds = numbers_.find('P');
     constexpr double kLongest_s = 3600.0;
+    if (numbers_.size() > 1) return refuse("waits and moves at once", "give G4 a line of its own");
     if (seconds == numbers_.end() || !(seconds->second >= 0.0 && seconds->second <= kLongest_s))
       return refuse("G4 needs P, a time of at most an hour in seconds", "such as G4 P0.5");
     if (!stroke_.empty()) stroke_.back().rest_s += seconds->second;

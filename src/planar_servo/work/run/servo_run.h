@@ -89,8 +89,8 @@ class ServoRun {
   /// already.
   void finish();
 
-  /// Returns why no further target may be tried: the cell itself is in doubt. Empty with
-  /// doubts accepted.
+  /// Returns why no further target may be tried: the cell itself is in doubt. Empty where doubts
+  /// are accepted.
   const std::optional<std::string>& ended_by() const { return ended_by_; }
   /// Throws InputError when there is a result of this target, but of another place or direction.
   void require_same(const TargetRow& target) const;
