@@ -2,7 +2,7 @@
 # The packages are those that the rooms link; C++ sees only Eigen, OpenCV's core and ViSP.
 include(CMakeFindDependencyMacro)
 find_dependency(Eigen3 3.4)
-find_dependency(OpenCV 4.5 COMPONENTS core imgproc calib3d)
+find_dependency(OpenCV 4.5 COMPONENTS core imgproc calib3d aruco)
 find_dependency(NLopt)
 find_dependency(yaml-cpp)
 find_dependency(fmt)

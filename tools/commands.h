@@ -34,6 +34,8 @@ constexpr Command kCommands[] = {
      "Finds links, zeros and eccentricities of an arm from a tracker's readings of its tool."},
     {"check-cell",
      "Moves a little, visits places of the calibration again, and says what has changed since."},
+    {"find-work",
+     "Finds a workpiece by its marks, so that targets and paths may be those of its drawing."},
     {"servo",
      "Positions the end point at targets, or leads it along a path, by vision and logs every "
      "step."},

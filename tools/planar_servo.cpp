@@ -11,6 +11,7 @@
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/drawings/drawing.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/machine/plausibility.h"
@@ -49,7 +50,7 @@ constexpr Named<double> kDrawingUnits[] = {
     {kMillimetre, "mm"}, {10.0 * kMillimetre, "cm"}, {1.0, "m"}, {kInch, "inch"}};
 
 struct Options {
-  fs::path cell, targets, path;
+  fs::path cell, targets, path, work;
   ServoRequest request;
   DrawingSettings drawing;
   std::string drawing_unit;
@@ -78,6 +79,9 @@ void add_goals(CLI::App& app, Options& options) {
       "--require-end", options.require_end,
       "with --targets -: call the run failed unless the line 'end' ends the targets, as it "
       "does not when their writer was killed");
+  add_value(app, "--work", options.work, "work.yaml",
+            "the workpiece that planar-find-work found: targets and paths are in the coordinates of "
+            "its drawing; it is looked at again every minute and at the end");
   app.add_option("--speed-mm-s", options.speeds_mm_s,
                  "speeds along the path, 1 to 50; it is followed once at each; by default the "
                  "drawing's feed, or 10")
@@ -219,11 +223,38 @@ struct TargetsIn {
   std::vector<std::string> remarks{};
 };
 
-TargetsIn targets_in(const Options& options) {
+TargetsIn drawn_targets(const Options& options) {
   if (from_stdin(options)) return {};
   if (!is_drawing(options.targets)) return {read_targets(options.targets)};
   const Drawing drawing = drawing_in(options.targets, options);
   return {targets_of(drawing, options.targets.string()), drawing.remarks};
+}
+
+TargetsIn targets_in(const Options& options) {
+  TargetsIn targets = drawn_targets(options);
+  if (options.request.works) targets.rows = on_works(targets.rows, options.request.works->works);
+  return targets;
+}
+
+/// Returns the only work of the run's file. Throws InputError for several.
+const FoundWork& single_work(const Options& options) {
+  const LaidWorks& laid = *options.request.works;
+  if (laid.works.size() > 1)
+    throw InputError({fmt::format("names {} works, and a path or a target from standard input lies "
+                                  "on one",
+                                  laid.works.size()),
+                      "find each by itself with planar-find-work --near", laid.file});
+  return laid.works.front();
+}
+
+/// Reads the works on which targets lie. Throws InputError where they were found with another
+/// calibration, unless that is accepted.
+std::shared_ptr<const LaidWorks> works_of(const Options& options, const CalibratedCell& cell) {
+  if (options.work.empty()) return nullptr;
+  auto works = std::make_shared<const LaidWorks>(read_works(options.work));
+  accept_stale(stale_work(options.work, cell.settings, uses_error_map(cell)),
+               options.request.accepted.stale);
+  return works;
 }
 
 /// Plans the first move to each target, and draws it where a page is wanted. A check refuses
@@ -260,10 +291,16 @@ bool is_good(const StreamEnd& end, bool requires_end) {
   return end.bad_lines == 0 && !is_missing;
 }
 
+TargetRow in_base(const TargetRow& drawn, const Options& options) {
+  if (!options.request.works) return drawn;
+  return on_works({drawn}, {single_work(options)}).front();
+}
+
 Outcome plan_stream(const Options& options, const CalibratedCell& cell) {
   TargetLines lines(kStdin);
   const FirstMoveStream planned =
-      answer_first_moves(std::cin, std::cout, lines, cell, start_of_run(options, cell));
+      answer_first_moves(std::cin, std::cout, lines, cell, start_of_run(options, cell),
+                         [&](const TargetRow& drawn) { return in_base(drawn, options); });
   say(stderr, "{} of {} targets can be reached; {} bad lines\n", planned.targets - planned.refused,
       planned.targets, planned.end.bad_lines);
   return {{{"targets", planned.targets},
@@ -284,7 +321,7 @@ bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& t
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
   const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-    return result_answer(run.move_to(target));
+    return result_answer(run.move_to(in_base(target, options)));
   });
   run.finish();
   return is_good(end, options.require_end);
@@ -380,12 +417,20 @@ std::vector<double> speeds_of(const Options& options, const std::optional<Drawin
   }
 }
 
+/// Returns the path of a table or drawing in the base frame.
+Path path_in_base(const Options& options, const std::optional<Drawing>& drawing, double phi) {
+  const double turn = options.request.works ? single_work(options).pose.turn() : 0.0;
+  const Path drawn = drawing ? path_of(*drawing, phi - turn, options.path)
+                             : read_path(options.path, phi - turn);
+  return options.request.works ? on_work(drawn, single_work(options).pose) : drawn;
+}
+
 Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
   const double phi = cell->settings.tool_orientation;
   std::optional<Drawing> drawing;
   if (is_drawing(options.path)) drawing = drawing_in(options.path, options);
   const PathRequest path{
-      options.path, drawing ? path_of(*drawing, phi, options.path) : read_path(options.path, phi),
+      options.path, path_in_base(options, drawing, phi),
       guidances_of(options), speeds_of(options, drawing)};
   if (!options.report.empty())
     write_file(options.report, plan_page(cell->settings.workspace, options.path, path.path,
@@ -407,7 +452,8 @@ Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& ce
   return {path_list(path, run.results()).json(), reached};
 }
 
-Outcome work(const Options& options) {
+Outcome work(const Options& given) {
+  Options options = given;
   if (!options.report.empty() && (from_stdin(options) || !(options.check || options.dry_run)))
     throw InputError(Refusal{"--report draws what --check or --dry-run find for a table or drawing",
                              "add one of them; a run writes its report into DIR"});
@@ -416,6 +462,7 @@ Outcome work(const Options& options) {
     throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
   const auto cell = std::make_shared<CalibratedCell>(
       read_calibrated_cell(read_cell(options.cell), !options.no_error_map));
+  options.request.works = works_of(options, *cell);
   return options.path.empty() ? reach_targets(options, cell) : follow(options, cell);
 }
 

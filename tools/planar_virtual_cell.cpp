@@ -11,6 +11,7 @@
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/rehearsal/live_cell.h"
 #include "planar_servo/machine/rehearsal/served_cell.h"
@@ -37,10 +38,15 @@ const CommandText kServe{
     "drives   Grbl at /home/me/grbl\n"
     "tracker  on 127.0.0.1:7701\n"
     "the board is held, view 0"};
+const CommandText kPut{
+    "put",
+    "planar-virtual-cell put --cell cell.yaml --drawing work.csv --at X,Y,TURN [--higher-mm H]\n"
+    "                               [--slide AT_S,DX,DY,TURN]",
+    "put a work with 4 marks into cells/7/truth.yaml, its origin at (200.000, 240.000) mm"};
 const ProgramText kText{"planar-virtual-cell",
-                        kDraw.synopsis + "\n       " + kServe.synopsis,
+                        kDraw.synopsis + "\n       " + kServe.synopsis + "\n       " + kPut.synopsis,
                         kDraw.sample,
-                        {kDraw, kServe}};
+                        {kDraw, kServe, kPut}};
 
 constexpr double kInputPeriod_s = 0.1;
 constexpr char kTcp[] = "tcp", kFile[] = "file";
@@ -54,6 +60,9 @@ struct Options {
   std::vector<double> tracker_clock{0.0, 0.0};
   bool decimal_comma{false};
   double broken_percent{0.0};
+  fs::path drawing;
+  std::vector<double> at, slide;
+  double higher_mm{0.0};
 };
 
 /// Names the reference lamps of a workshop's cell file, with the diameter of the tool's.
@@ -134,7 +143,43 @@ Outcome serve(const Options& options) {
   return {};
 }
 
+/// Returns a plate with these marks on it and a margin around them.
+WorkpieceTruth plate_with(const std::vector<Fiducial>& marks) {
+  constexpr double kMargin_m = 0.010;
+  WorkpieceTruth work;
+  work.plate_from_m = work.plate_to_m = marks.front().p_W;
+  for (const Fiducial& mark : marks) {
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(0.5 * mark.size + kMargin_m);
+    work.plate_from_m = work.plate_from_m.cwiseMin(mark.p_W - reach);
+    work.plate_to_m = work.plate_to_m.cwiseMax(mark.p_W + reach);
+    work.marks.push_back({value_named(kMarkShapes, name_in(kFiducialKinds, mark.kind)).value(),
+                          mark.p_W, mark.size, tag_number(mark.id).value_or(0)});
+  }
+  return work;
+}
+
+Outcome put(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  if (!cell.truth) throw InputError({"is no virtual cell", "name one", options.cell});
+  const std::vector<Fiducial> marks = read_work_drawing(options.drawing);
+  Truth truth = read_truth(*cell.truth);
+  WorkpieceTruth work = plate_with(marks);
+  work.p_BW = Eigen::Vector3d(options.at[0], options.at[1], options.higher_mm) * kMillimetre;
+  work.p_BW.z() += marks.front().z + truth.tool.lamp_height_m;
+  work.turn_rad = options.at[2] * kDegree;
+  if (!options.slide.empty())
+    work.slide = SlideTruth{options.slide[0],
+                            Eigen::Vector2d(options.slide[1], options.slide[2]) * kMillimetre,
+                            options.slide[3] * kDegree};
+  truth.works.push_back(work);
+  write_truth(*cell.truth, truth);
+  say("put a work with {} marks into {}, its origin at {}\n", marks.size(), cell.truth->string(),
+      place_mm(work.p_BW.head<2>()));
+  return {{{"marks", marks.size()}, {"truth", cell.truth->string()}}};
+}
+
 Outcome work(const Options& options) {
+  if (!options.drawing.empty()) return put(options);
   return options.cell.empty() ? draw(options) : serve(options);
 }
 
@@ -166,6 +211,22 @@ void add_serve_options(CLI::App& server, Options& options) {
             "one; it has no home switches");
 }
 
+void add_put_options(CLI::App& command, Options& options) {
+  add_required(command, "--cell", options.cell, "cell.yaml", "the virtual cell");
+  add_required(command, "--drawing", options.drawing, "work.csv", "the marks of the work");
+  command.add_option("--at", options.at, "where its origin lies and how it is turned, mm and deg")
+      ->delimiter(',')
+      ->expected(3)
+      ->required()
+      ->type_name("X,Y,TURN");
+  add_value(command, "--higher-mm", options.higher_mm, "H",
+            "by how much it lies higher than the drawing's z_mm says");
+  command.add_option("--slide", options.slide, "when it slides, by how much, and turns")
+      ->delimiter(',')
+      ->expected(4)
+      ->type_name("AT_S,DX,DY,TURN");
+}
+
 void add_options(CLI::App& app, Options& options) {
   app.require_subcommand(1);
   app.fallthrough();
@@ -176,6 +237,8 @@ void add_options(CLI::App& app, Options& options) {
                         "say what a person would do at the cell: " +
                             std::string(kCellCommands) + ". When they end, the cell runs on."),
                     options);
+  add_put_options(*app.add_subcommand(kPut.name, "Puts a workpiece into a virtual cell's truth."),
+                  options);
   CLI::App* command = app.add_subcommand(kDraw.name, "Draws a new random cell with its truth.");
   command->add_option("--seed", options.seed, "the same seed draws the same cell")->required();
   add_choice(*command, "--like", options.like, names_of(kCellKinds),

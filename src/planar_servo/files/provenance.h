@@ -27,6 +27,8 @@ enum class Role {
   kLampLayout,  ///< `lamps` of the cell file, without the method
   kImageSize,   ///< `camera` of the cell file, its size only
   kDatum,       ///< `datum` of the cell file
+  kDrawing,     ///< of a workpiece
+  kWork,
   kArm,         ///< `arm` of the cell file: links, sense, elbow and coupling
 };
 
@@ -43,6 +45,8 @@ constexpr Named<Role> kRoles[] = {{Role::kCamera, "camera"},
                                   {Role::kImageSize, "cell_image_size"},
                                   {Role::kDatum, "cell_datum"},
                                   {Role::kHealth, "health"},
+                                  {Role::kDrawing, "drawing"},
+                                  {Role::kWork, "work"},
                                   {Role::kArmFound, "arm_found"},
                                   {Role::kArm, "cell_arm"},
                                   {Role::kLays, "lays"}};

@@ -30,6 +30,14 @@ std::vector<float> normal_quantiles() {
   return quantiles;
 }
 
+/// Adds `factor` times a light to the levels of a part of the sensor.
+void add(const Light& light, double factor, const cv::Rect& part_px, cv::Mat1f& levels) {
+  const cv::Rect lit_px = light.window_px & part_px;
+  if (lit_px.empty()) return;
+  cv::Mat1f sum = levels(lit_px - part_px.tl());
+  cv::scaleAdd(light.levels(lit_px - light.window_px.tl()), factor, sum, sum);
+}
+
 }  // namespace
 
 SensorNoise::SensorNoise(const NoiseTruth& truth, std::uint64_t seed)
@@ -75,6 +83,7 @@ VirtualCamera::VirtualCamera(const Truth& truth, const VirtualHardware& hardware
       board_(board),
       clock_(clock),
       lamps_(truth),
+      works_(truth, lens, hardware.sensor_px),
       noise_(truth.noise, truth.seed),
       region_px_(cv::Point(), hardware.sensor_px) {}
 
@@ -108,13 +117,8 @@ cv::Mat VirtualCamera::expose_moving(double brightness, std::uint64_t exposure) 
   cv::Mat1f levels(region_px_.size(), 0.0F);
   for (int i = 0; i < kMomentsOfExposure; ++i) {
     clock_.advance_to(begin_s + (i + 0.5) / kMomentsOfExposure * exposure_.time_s);
-    for (const Light& seen : lights(clock_.now_s())) {
-      const cv::Rect lit_px = seen.window_px & region_px_;
-      if (lit_px.empty()) continue;
-      cv::Mat1f sum = levels(lit_px - region_px_.tl());
-      cv::scaleAdd(seen.levels(lit_px - seen.window_px.tl()), brightness / kMomentsOfExposure, sum,
-                   sum);
-    }
+    for (const Light& seen : lights(clock_.now_s()))
+      add(seen, brightness / kMomentsOfExposure, region_px_, levels);
   }
   clock_.advance_to(begin_s + exposure_.time_s);
   cv::Mat image(region_px_.size(), CV_8UC1);
@@ -129,18 +133,25 @@ cv::Mat VirtualCamera::expose(const cv::Rect& region_px, double brightness,
   cv::Mat image(region_px.size(), CV_8UC1);
   Random random(seed_, RandomStream::kFrame, exposure);
   noise_.fill_dark(image, random);
-  for (const Light& seen : lights(clock_.now_s())) {
-    const cv::Rect lit_px = seen.window_px & region_px;
+  const std::vector<Light> all = lights(clock_.now_s());
+  for (auto seen = all.begin(); seen != all.end(); ++seen) {
+    const cv::Rect lit_px = seen->window_px & region_px;
     if (lit_px.empty()) continue;
     cv::Mat1f levels;
-    seen.levels(lit_px - seen.window_px.tl()).convertTo(levels, CV_32F, brightness);
+    seen->levels(lit_px - seen->window_px.tl()).convertTo(levels, CV_32F, brightness);
+    // What was exposed before is exposed again with this light on it.
+    for (auto below = all.begin(); below != seen; ++below) add(*below, brightness, lit_px, levels);
     noise_.expose(levels, image(lit_px - region_px.tl()), random);
   }
   return image;
 }
 
 std::vector<Light> VirtualCamera::lights(double t_s) {
-  if (!board_.X_BG()) return lamps_.render_all(arm_.X_BT(), lens_, t_s);
+  if (!board_.X_BG()) {
+    std::vector<Light> all = works_.render(t_s);
+    for (Light& light : lamps_.render_all(arm_.X_BT(), lens_, t_s)) all.push_back(std::move(light));
+    return all;
+  }
   const std::optional<Light> board = board_.render(t_s);
   return board ? std::vector<Light>{*board} : std::vector<Light>();
 }

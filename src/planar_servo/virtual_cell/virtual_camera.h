@@ -12,6 +12,7 @@
 #include "planar_servo/virtual_cell/virtual_board.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
 #include "planar_servo/virtual_cell/virtual_lamps.h"
+#include "planar_servo/virtual_cell/virtual_works.h"
 
 namespace planar {
 
@@ -35,7 +36,8 @@ class SensorNoise {
   std::vector<std::uint8_t> bank_;  ///< dark pixels
 };
 
-/// Renders frames of the lamps, or of the calibration board, which hides them while it is in view.
+/// Renders frames of works and lamps, or of the calibration board, which hides them while it is in
+/// view.
 /// Exposures begin at whole multiples of the frame period; waiting for one advances the clock. An
 /// arm that moves is smeared over the exposure, which takes its time; one at rest is seen at once.
 class VirtualCamera final : public FrameSource {
@@ -62,6 +64,7 @@ class VirtualCamera final : public FrameSource {
 
   /// Exposes while the clock advances by the exposure's time.
   cv::Mat expose_moving(double brightness, std::uint64_t exposure);
+  /// Returns the parts of the scene, whose light adds up.
   std::vector<Light> lights(double t_s);
 
   cv::Size sensor_px_;
@@ -72,6 +75,7 @@ class VirtualCamera final : public FrameSource {
   const VirtualBoard& board_;
   VirtualClock& clock_;
   VirtualLamps lamps_;
+  VirtualWorks works_;
   SensorNoise noise_;
   cv::Rect region_px_;
   CameraExposure exposure_{kUsualTime_s, 0.0};

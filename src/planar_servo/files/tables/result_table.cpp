@@ -93,6 +93,10 @@ const TableSchema<TargetResult>& result_schema() {
         columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6,
                                Column::kOptional);
         columns.optional_number("phi_deg", result.phi_d, kDegree, 6, Column::kOptional);
+        std::optional<double> sigma_m;
+        if (result.sigma_target_m > 0.0) sigma_m = result.sigma_target_m;
+        columns.optional_number("sigma_target_mm", sigma_m, kMillimetre, 6, Column::kOptional);
+        result.sigma_target_m = sigma_m.value_or(0.0);
         list_tracker(columns, result);
       }};
   return results;

@@ -79,7 +79,8 @@ struct TargetResult {
   std::optional<Eigen::Vector2d> vision_raw, vision_compensated;
   /// Where the servo believed the end point at the last measurement, minus truth.
   std::optional<Eigen::Vector2d> believed;
-  std::optional<double> uncertainty_m;   ///< of that place, per axis
+  std::optional<double> uncertainty_m;   ///< of that place and of the target, per axis
+  double sigma_target_m{0.0};            ///< the target's share of it, by the work on which it lies
   std::optional<double> sigma_judged_m;  ///< of `after_judged` per axis, where a tracker watches
   std::string not_judged;                ///< why the tracker did not judge; empty otherwise
 

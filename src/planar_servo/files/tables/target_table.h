@@ -20,6 +20,7 @@ struct TargetRow {
   std::string id;
   Eigen::Vector2d p_d{0.0, 0.0};
   std::optional<double> phi_d;  ///< radians
+  double sigma_m{0.0};          ///< of p_d per axis, by the work on which it lies
 };
 
 /// Reads targets.csv. Throws InputError naming FILE:LINE of each bad row, and for a table without

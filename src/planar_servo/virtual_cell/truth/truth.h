@@ -139,6 +139,41 @@ struct BoardTruth {
   double dark_level{35.0};
 };
 
+enum class MarkShape { kBrightDisc, kDarkDisc, kRing, kCross, kChessCorner, kAprilTag };
+
+constexpr Named<MarkShape> kMarkShapes[] = {
+    {MarkShape::kBrightDisc, "bright_disc"},   {MarkShape::kDarkDisc, "dark_disc"},
+    {MarkShape::kRing, "ring"},                {MarkShape::kCross, "cross"},
+    {MarkShape::kChessCorner, "chess_corner"}, {MarkShape::kAprilTag, "apriltag"}};
+
+/// A mark on a workpiece. Sizes are from edge to edge.
+struct WorkMarkTruth {
+  MarkShape shape{MarkShape::kBrightDisc};
+  Eigen::Vector2d p_W{0.0, 0.0};
+  double size_m{0.004};
+  int tag{0};  ///< number of an AprilTag
+};
+
+/// A jolt that shifts a workpiece and turns it about its origin.
+struct SlideTruth {
+  double at_s{0.0};
+  Eigen::Vector2d shift_m{0.0, 0.0};
+  double turn_rad{0.0};
+};
+
+/// A flat workpiece that lies level: a plate with marks. Levels are grey levels above the
+/// background.
+struct WorkpieceTruth {
+  Eigen::Vector3d p_BW{0.0, 0.0, 0.0};
+  double turn_rad{0.0};
+  Eigen::Vector2d plate_from_m{0.0, 0.0}, plate_to_m{0.0, 0.0};  ///< its corners in W
+  double plate_level{60.0}, bright_level{150.0}, dark_level{6.0};
+  std::vector<WorkMarkTruth> marks;
+  std::optional<SlideTruth> slide;
+
+  Pose X_BW(double t_s) const;
+};
+
 struct Truth {
   ArmTruth arm;
   BuildTruth build;
@@ -149,6 +184,7 @@ struct Truth {
   TrackerTruth tracker;
   NoiseTruth noise;
   BoardTruth board;
+  std::vector<WorkpieceTruth> works;
   std::optional<OutlierTruth> outliers;
   std::uint32_t seed{0};  ///< of all noise and of the board's poses
 };

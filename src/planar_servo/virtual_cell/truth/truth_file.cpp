@@ -170,6 +170,31 @@ void list_fields(Fields& fields, BoardTruth& board) {
   fields.number("dark_level", board.dark_level, 1.0, Range::at_least(0.0));
 }
 
+void list_fields(Fields& fields, WorkMarkTruth& mark) {
+  fields.choice("shape", mark.shape, kMarkShapes);
+  fields.number("x_mm", mark.p_W.x(), kMillimetre);
+  fields.number("y_mm", mark.p_W.y(), kMillimetre);
+  fields.number("size_mm", mark.size_m, kMillimetre, Range::positive());
+  if (fields.given("tag", mark.shape == MarkShape::kAprilTag))
+    fields.whole_number("tag", mark.tag, 0, 586);
+}
+
+void list_fields(Fields& fields, WorkpieceTruth& work) {
+  fields.numbers("p_BW_mm", work.p_BW, kMillimetre);
+  fields.number("turn_deg", work.turn_rad, kDegree);
+  fields.numbers("plate_from_mm", work.plate_from_m, kMillimetre);
+  fields.numbers("plate_to_mm", work.plate_to_m, kMillimetre);
+  fields.number("plate_level", work.plate_level, 1.0, Range::at_least(0.0));
+  fields.number("bright_level", work.bright_level, 1.0, Range::at_least(0.0));
+  fields.number("dark_level", work.dark_level, 1.0, Range::at_least(0.0));
+  list_optional_block(fields, "slide", work.slide, [&](SlideTruth& slide) {
+    fields.number("at_s", slide.at_s, 1.0, Range::at_least(0.0));
+    fields.numbers("shift_mm", slide.shift_m, kMillimetre);
+    fields.number("turn_deg", slide.turn_rad, kDegree);
+  });
+  fields.maps("marks", work.marks, [&](WorkMarkTruth& mark) { list_fields(fields, mark); });
+}
+
 void list_fields(Fields& fields, Truth& truth) {
   fields.map("arm", [&] {
     list_fields(fields, truth.arm);
@@ -188,6 +213,8 @@ void list_fields(Fields& fields, Truth& truth) {
   list_monuments(fields, truth.build.monuments_B);
   fields.map("noise", [&] { list_fields(fields, truth.noise); });
   fields.map("board", [&] { list_fields(fields, truth.board); });
+  if (fields.given("works", !truth.works.empty()))
+    fields.maps("works", truth.works, [&](WorkpieceTruth& work) { list_fields(fields, work); });
   list_outliers(fields, truth.outliers);
   fields.whole_number("seed", truth.seed, std::uint32_t{0});
 }

@@ -19,6 +19,7 @@
 #include "planar_servo/loop/vision/found_landings.h"
 #include "planar_servo/loop/vision/lamp_tip_sensor.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/workpiece/find_work.h"
 
 namespace planar {
 
@@ -98,6 +99,8 @@ struct ServoRequest {
   std::function<void(const std::optional<std::vector<Eigen::Vector2d>>&)> checking{};
   /// Is told what each check of the cell has found, nothing where it is well. May be empty.
   std::function<void(const std::vector<HealthFinding>&)> found{};
+  /// The works on which the targets lie, which are looked at again every minute; null for none.
+  std::shared_ptr<const LaidWorks> works{};
 };
 
 /// A cell that is about to move by vision: its files are there and belong together, and it is

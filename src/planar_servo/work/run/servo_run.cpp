@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
@@ -18,13 +19,14 @@ TargetScorer::TargetScorer(const TargetRow& target, GrowingFile* steps, Judge* j
     : steps_(steps), judge_(judge), clock_(clock) {
   result_.id = target.id;
   result_.p_d = target.p_d;
+  result_.sigma_target_m = target.sigma_m;
 }
 
 void TargetScorer::observe(const ServoStep& step) {
   if (steps_ != nullptr) steps_->append(step_line(result_.id, step));
   if (step.measurement.ok()) {
     result_.after_own = -step.error;
-    result_.uncertainty_m = step.uncertainty_m();
+    result_.uncertainty_m = std::hypot(step.uncertainty_m(), result_.sigma_target_m);
   }
   const bool is_first = step.iteration == 0 && !result_.before_own;
   look_ = step;
@@ -104,6 +106,9 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       judge_(devices.truth() ? devices.truth() : request.judge),
       keep_going_(request.accepted.doubts),
       cell_(request, devices),
+      works_(request.works ? std::make_optional<WorkWatch>(*request.works, *request.cell->vision,
+                                                           devices.camera(), devices.clock())
+                           : std::nullopt),
       files_(request.folder.path.empty() ? std::nullopt : std::make_optional<RunFiles>(request)),
       results_(files_ ? files_->begun : std::vector<TargetResult>()),
       results_before_(results_.size()),
@@ -169,12 +174,20 @@ void ServoRun::doubt_what_was_reached() {
   if (files_) write_results(files_->table_file, files_->table_header, results_);
 }
 
+std::optional<std::string> ServoRun::finding(bool at_end) {
+  std::optional<std::string> unwell = at_end ? cell_.examine_at_end() : cell_.examine_if_due();
+  if ((unwell && !unwell->empty()) || !works_) return unwell;
+  if (!at_end && !unwell && !works_->is_due()) return std::nullopt;
+  std::string moved = works_->examine();
+  return moved.empty() ? unwell : moved;
+}
+
 void ServoRun::finish() {
-  if (!ended_by_) take_finding(cell_.examine_at_end());
+  if (!ended_by_) take_finding(finding(true));
 }
 
 TargetResult ServoRun::move_to(const TargetRow& target) {
-  if (!ended_by_) take_finding(cell_.examine_if_due());
+  if (!ended_by_) take_finding(finding(false));
   if (ended_by_) return refused(target, *ended_by_);
   TargetScorer scorer(target, files_ ? &files_->steps : nullptr, judge_.get(), cell_.clock());
   const double start_s = cell_.clock().now_s();

@@ -14,6 +14,7 @@
 #include "planar_servo/loop/servo/position_servo.h"
 #include "planar_servo/work/run/ready_cell.h"
 #include "planar_servo/work/run/run_files.h"
+#include "planar_servo/work/workpiece/work_watch.h"
 
 namespace planar {
 
@@ -105,7 +106,9 @@ class ServoRun {
   const std::vector<TargetResult>& results() const { return results_; }
 
  private:
-  /// Takes the findings of a check of the cell, if there was one.
+  /// Checks cell and works where that is due. Returns nothing when the cell was not checked, an
+  /// empty text when all is well, else what is not.
+  std::optional<std::string> finding(bool at_end);
   void take_finding(const std::optional<std::string>& unwell);
   /// Doubts the targets that were reached since the cell was last found well.
   void doubt_what_was_reached();
@@ -119,6 +122,7 @@ class ServoRun {
   bool keep_going_;
   std::optional<std::string> ended_by_;
   ReadyCell cell_;
+  std::optional<WorkWatch> works_;  ///< none where targets lie on no work
   std::optional<RunFiles> files_;  ///< none where the request names no folder
   std::vector<TargetResult> results_;
   std::size_t results_before_;

@@ -73,11 +73,12 @@ Json result_answer(const TargetResult& result) {
 }
 
 FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
-                                   const CalibratedCell& cell, const Joints& start) {
+                                   const CalibratedCell& cell, const Joints& start,
+                                   const std::function<TargetRow(const TargetRow&)>& in_base) {
   DryRun dry(cell, start);
   FirstMoveStream planned;
   planned.end = answer_targets(in, out, lines, [&](const TargetRow& target) {
-    const DryRunRow row = dry.first_move(target);
+    const DryRunRow row = dry.first_move(in_base(target));
     ++planned.targets;
     if (row.plan.refusal) ++planned.refused;
     return first_move_answer(row);

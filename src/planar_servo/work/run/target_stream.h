@@ -39,6 +39,7 @@ struct FirstMoveStream {
 /// Answers every target on `in` with its first move, as first_move_answer() writes it, from
 /// these joints on. Nothing moves.
 FirstMoveStream answer_first_moves(std::istream& in, std::ostream& out, TargetLines& lines,
-                                   const CalibratedCell& cell, const Joints& start);
+                                   const CalibratedCell& cell, const Joints& start,
+                                   const std::function<TargetRow(const TargetRow&)>& in_base);
 
 }  // namespace planar

@@ -126,7 +126,7 @@ double PathSegment::nearest_m(const Eigen::Vector2d& p_B) const {
   return length_ * std::clamp(share, 0.0, 1.0);
 }
 
-Path::Path(const std::vector<Waypoint>& waypoints) {
+Path::Path(const std::vector<Waypoint>& waypoints) : waypoints_(waypoints) {
   if (waypoints.size() < 2) throw std::invalid_argument("a path needs two places");
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
     const TipPose &from = waypoints[i - 1].pose, &to = waypoints[i].pose;

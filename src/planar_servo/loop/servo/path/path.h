@@ -74,6 +74,7 @@ class Path {
 
   double length_m() const { return begins_.back(); }
   const std::vector<PathSegment>& segments() const { return segments_; }
+  const std::vector<Waypoint>& waypoints() const { return waypoints_; }
   /// Returns for how long the end point waits behind each segment, seconds.
   const std::vector<double>& rests_s() const { return rests_s_; }
 
@@ -85,6 +86,7 @@ class Path {
   PathOffset offset(const Eigen::Vector2d& p_B, double near_m) const;
 
  private:
+  std::vector<Waypoint> waypoints_;
   std::vector<PathSegment> segments_;
   std::vector<double> begins_{0.0}, rests_s_;
 };

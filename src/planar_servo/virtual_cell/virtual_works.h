@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "planar_servo/virtual_cell/truth/truth.h"
+#include "planar_servo/virtual_cell/virtual_lamps.h"
+#include "planar_servo/virtual_cell/virtual_lens.h"
+
+namespace planar {
+
+/// The workpieces of a virtual cell: plates with marks, of which discs have rims that are a little
+/// uneven.
+class VirtualWorks {
+ public:
+  VirtualWorks(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px);
+
+  /// Renders each work before noise, within the sensor. One at rest is rendered again once the lens
+  /// or the air has moved.
+  std::vector<Light> render(double t_s) const;
+
+ private:
+  struct Rendering {
+    double t_s;
+    std::vector<Light> lights;
+  };
+
+  std::vector<Light> rendered(double t_s) const;
+  bool slid_between(double from_s, double to_s) const;
+
+  std::vector<WorkpieceTruth> works_;
+  const VirtualLens& lens_;
+  cv::Size sensor_px_;
+  double blur_px_;
+  mutable std::optional<Rendering> rendering_;
+};
+
+}  // namespace planar

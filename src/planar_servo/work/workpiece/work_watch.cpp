@@ -1,0 +1,85 @@
+#include "planar_servo/work/workpiece/work_watch.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "planar_servo/base/core/error.h"
+
+namespace planar {
+namespace {
+
+/// Exposes the camera otherwise for as long as this lives.
+class ExposedOtherwise {
+ public:
+  ExposedOtherwise(FrameSource& camera, const std::optional<CameraExposure>& exposure)
+      : camera_(camera), before_(camera.exposure()), changed_(exposure && !is_set(*exposure)) {
+    if (changed_) camera_.set_exposure(*exposure);
+  }
+  ~ExposedOtherwise() {
+    try {
+      if (changed_) camera_.set_exposure(before_);
+    } catch (const std::exception& e) {
+      spdlog::error(e.what());
+    }
+  }
+  ExposedOtherwise(const ExposedOtherwise&) = delete;
+  ExposedOtherwise& operator=(const ExposedOtherwise&) = delete;
+
+ private:
+  bool is_set(const CameraExposure& exposure) const {
+    return exposure.time_s == before_.time_s && exposure.gain_db == before_.gain_db;
+  }
+
+  FrameSource& camera_;
+  CameraExposure before_;
+  bool changed_;
+};
+
+constexpr int kFramesOfWatch = 2;
+constexpr double kWatchPeriod_s = 60.0;
+
+}  // namespace
+
+std::vector<Frame> whole_frames(FrameSource& camera, int count,
+                                const std::optional<CameraExposure>& exposure) {
+  const ExposedOtherwise exposed(camera, exposure);
+  camera.set_region({{}, camera.sensor_size_px()});
+  std::vector<Frame> frames;
+  for (int i = 0; i < count; ++i) {
+    FrameResult result = i == 0 ? camera.next_frame() : camera.following_frame();
+    if (result.status != FrameStatus::kOk)
+      throw WorkError({fmt::format("the camera gave no picture: {}", name(result.status)),
+                       "planar-doctor says what is wrong with it"});
+    result.frame.image = result.frame.image.clone();
+    frames.push_back(std::move(result.frame));
+  }
+  return frames;
+}
+
+bool WorkWatch::is_due() const {
+  return !looked_s_ || clock_.now_s() - *looked_s_ > kWatchPeriod_s;
+}
+
+std::string WorkWatch::examine() {
+  const std::vector<Frame> frames = whole_frames(camera_, kFramesOfWatch, works_.exposure);
+  looked_s_ = clock_.now_s();
+  std::string hidden;
+  for (const FoundWork& work : works_.works) {
+    const WorkMotion motion = look_again(frames, vision_, work);
+    if (motion.moved)
+      return *motion.moved + "; find it again with planar-find-work, then continue";
+    for (const std::string& mark : motion.hidden)
+      hidden += (hidden.empty() ? "" : ", ") + (work.id.empty() ? "" : work.id + "/") + mark;
+    if (motion.hidden.size() == work.fiducials.size())
+      return fmt::format(
+          "no mark of the work{} is seen where it was: it was moved or taken away, or something "
+          "hides it; find it again with planar-find-work",
+          work.id.empty() ? "" : " " + work.id);
+  }
+  if (!hidden.empty() && hidden != hidden_)
+    spdlog::warn("marks of the work are hidden now, as by the arm: " + hidden);
+  hidden_ = hidden;
+  return "";
+}
+
+}  // namespace planar

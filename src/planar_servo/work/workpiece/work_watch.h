@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/loop/vision/see_tool.h"
+#include "planar_servo/workpiece/find_work.h"
+
+namespace planar {
+
+/// Takes whole frames of a scene at rest, exposed as given or else as the camera is. The camera is
+/// left exposed as it was. Throws WorkError for a frame that does not come.
+std::vector<Frame> whole_frames(FrameSource& camera, int count,
+                                const std::optional<CameraExposure>& exposure);
+
+/// Looks every minute whether workpieces still lie where they were found.
+class WorkWatch {
+ public:
+  /// Takes works, vision, camera and clock, which must outlive it.
+  WorkWatch(const LaidWorks& works, const VisionCalibration& vision, FrameSource& camera,
+            const Clock& clock)
+      : works_(works), vision_(vision), camera_(camera), clock_(clock) {}
+
+  bool is_due() const;
+  /// Looks at all works while the arm rests. Returns what is wrong, or an empty text. Logs which
+  /// marks are hidden. Throws as whole_frames() does.
+  std::string examine();
+
+ private:
+  const LaidWorks& works_;
+  const VisionCalibration& vision_;
+  FrameSource& camera_;
+  const Clock& clock_;
+  std::optional<double> looked_s_;
+  std::string hidden_;  ///< the marks that were named last
+};
+
+}  // namespace planar

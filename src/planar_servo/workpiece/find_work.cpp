@@ -1,0 +1,442 @@
+#include "planar_servo/workpiece/find_work.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/learn/error_map/error_map.h"
+#include "planar_servo/learn/field/lamp_field.h"
+#include "planar_servo/lamps/lamp_center.h"
+#include "planar_servo/loop/vision/reference_lamps.h"
+
+namespace planar {
+namespace {
+
+using Points = std::vector<Eigen::Vector2d>;
+
+/// What the field says of the lens where the lamps' plane is seen at some places.
+struct LensError {
+  Eigen::Matrix2Xd error;   ///< a column for each place, metres
+  Eigen::MatrixXd factor;   ///< of the covariance of all, x and y of each place in turn
+};
+
+LensError lens_error(const LampField& field, const Points& seen_B) {
+  const Eigen::Index nb = field.basis.terms();
+  const auto n = static_cast<Eigen::Index>(seen_B.size());
+  LensError lens{Eigen::Matrix2Xd(2, n), Eigen::MatrixXd(2 * n, field.factor.cols())};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::RowVectorXd basis = field.basis.at(seen_B[static_cast<std::size_t>(i)]);
+    lens.error.col(i) = (basis * field.weights).transpose();
+    lens.factor.row(2 * i) = basis * field.factor.topRows(nb);
+    lens.factor.row(2 * i + 1) = basis * field.factor.middleRows(nb, nb);
+  }
+  return lens;
+}
+
+/// A map at the end point does not tell the lens from the lamps: nothing is taken off, and all of
+/// its error may be the lens's.
+LensError lens_error(const ErrorMap& map, const Points& seen_B) {
+  const auto n = static_cast<Eigen::Index>(seen_B.size());
+  LensError lens{Eigen::Matrix2Xd::Zero(2, n), Eigen::MatrixXd(2 * n, 1)};
+  for (Eigen::Index i = 0; i < n; ++i)
+    lens.factor.block<2, 1>(2 * i, 0) =
+        predict_error(map, seen_B[static_cast<std::size_t>(i)], 0.0);
+  return lens;
+}
+
+LensError lens_error(const VisionCalibration& vision, const Points& seen_B) {
+  if (vision.error_map)
+    return std::visit([&](const auto& map) { return lens_error(map, seen_B); }, *vision.error_map);
+  const auto n = static_cast<Eigen::Index>(seen_B.size());
+  return {Eigen::Matrix2Xd::Zero(2, n), Eigen::MatrixXd::Zero(2 * n, 1)};
+}
+
+/// Returns the plane of marks at this height over the lamps' plane.
+Workplane plane_at(const Workplane& lamps, double z) {
+  Pose X_WC = lamps.X_WC();
+  X_WC.translation().z() -= z;
+  return {lamps.camera(), X_WC};
+}
+
+[[noreturn]] void refuse_outside(const Fiducial& mark) {
+  throw WorkError({fmt::format("{} is seen where the camera's model has no ray that meets its "
+                               "plane, {:g} mm over that of the lamps",
+                               mark.id, mm(mark.z)),
+                   "correct z_mm"});
+}
+
+/// The marks of a picture, and the light that moves them.
+struct Picture {
+  cv::Mat image;
+  ImageMotion motion;
+};
+
+/// Returns the frames with the image's motion since the calibration. Throws WorkError when that
+/// cannot be known.
+std::vector<Picture> pictures_of(const std::vector<Frame>& frames,
+                                 const VisionCalibration& vision) {
+  std::vector<Picture> pictures;
+  pictures.reserve(frames.size());
+  ReferenceWatch watch(vision.reference_lamps, CenterMethod::kAuto);
+  for (const Frame& frame : frames) {
+    if (!vision.reference_lamps.empty()) watch.look(frame);
+    if (watch.objection()) throw WorkError(*watch.objection());
+    pictures.push_back({frame.image, watch.motion()});
+  }
+  return pictures;
+}
+
+/// A mark's mean over pictures, as seen at calibration.
+struct MeanFiducial {
+  Eigen::Vector2d uv_px{0.0, 0.0};
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};
+  Points each_px;  ///< in each picture
+  double size_px{0.0};
+};
+
+std::optional<MeanFiducial> measure_in(const std::vector<Picture>& pictures, FiducialKind kind,
+                                       const FiducialSight& found) {
+  MeanFiducial mean;
+  const double n = static_cast<double>(pictures.size());
+  for (const Picture& picture : pictures) {
+    const auto seen = measure_fiducial(picture.image, kind, found);
+    if (!seen) return std::nullopt;
+    mean.each_px.push_back(picture.motion.then(seen->uv_px));
+    mean.uv_px += mean.each_px.back() / n;
+    mean.covariance_px2 += seen->covariance_px2 / (n * n);
+    mean.size_px += seen->size_px / n;
+  }
+  return mean;
+}
+
+/// Gives the marks without a covariance of their own that of their scatter from picture to
+/// picture, pooled over them. One picture has none; OpenCV's corners are good to a tenth of a pixel
+/// then.
+void take_scatter(const std::vector<Fiducial>& fiducials, std::vector<MeanFiducial>& means) {
+  constexpr double kUnknown_px = 0.1;
+  double square = 0.0;
+  double freedom = 0.0;
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    if (is_round(fiducials[i].kind)) continue;
+    for (const Eigen::Vector2d& uv_px : means[i].each_px)
+      square += (uv_px - means[i].uv_px).squaredNorm();
+    freedom += 2.0 * (static_cast<double>(means[i].each_px.size()) - 1.0);
+  }
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    if (is_round(fiducials[i].kind)) continue;
+    const double variance = freedom > 0.0 ? square / freedom : kUnknown_px * kUnknown_px;
+    means[i].covariance_px2 =
+        Eigen::Matrix2d::Identity() * variance / static_cast<double>(means[i].each_px.size());
+  }
+}
+
+/// Takes off that the centre of a disc's image is not the image of its centre.
+void take_off_eccentricity(const VisionCalibration& vision, const Fiducial& fiducial,
+                           MeanFiducial& mean) {
+  if (!is_round(fiducial.kind)) return;
+  const Workplane plane = plane_at(vision.workplane, fiducial.z);
+  const auto p = plane.plane_from_pixel(mean.uv_px);
+  if (!p) refuse_outside(fiducial);
+  if (const auto shift =
+          eccentricity_px(plane.camera(), plane.X_WC().inverse(), *p, fiducial.size))
+    mean.uv_px -= *shift;
+}
+
+double px_per_m(const Workplane& plane, const Eigen::Vector2d& p) {
+  Eigen::Matrix2d slope;
+  if (!plane.pixel_from_plane(p, &slope)) return 0.0;
+  return std::sqrt(std::abs(slope(0, 0) * slope(1, 1) - slope(0, 1) * slope(1, 0)));
+}
+
+/// Finds what looks like one of the drawing's marks, everywhere in a picture.
+std::vector<MarkCandidate> candidates_in(const Picture& picture, const VisionCalibration& vision,
+                                         const std::vector<Fiducial>& drawing) {
+  std::map<std::pair<FiducialKind, double>, double> forms;  // and their heights
+  for (const Fiducial& mark : drawing) forms[{mark.kind, mark.size}] = mark.z;
+  std::vector<MarkCandidate> candidates;
+  for (const auto& [form, z] : forms) {
+    const Workplane plane = plane_at(vision.workplane, z);
+    const Eigen::Vector2d middle_px(0.5 * picture.image.cols, 0.5 * picture.image.rows);
+    const auto middle = plane.plane_from_pixel(middle_px);
+    const double scale = middle ? px_per_m(plane, *middle) : 0.0;
+    if (scale == 0.0) refuse_outside(drawing.front());
+    for (const FiducialSight& sight :
+         find_fiducials(picture.image, form.first, form.second * scale)) {
+      const auto p_B = plane.plane_from_pixel(picture.motion.then(sight.uv_px));
+      if (!p_B) continue;
+      const double here = px_per_m(plane, *p_B);
+      if (here > 0.0)
+        candidates.push_back({sight, form.first, sight.size_px / here, *p_B});
+    }
+  }
+  return candidates;
+}
+
+FoundWork work_at(const Constellation& constellation, const std::vector<MarkCandidate>& candidates,
+                  const std::vector<Picture>& pictures, const VisionCalibration& vision,
+                  const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
+  std::vector<MeanFiducial> means;
+  for (std::size_t i = 0; i < drawing.size(); ++i) {
+    const FiducialSight& sight = candidates[constellation.candidates[i]].sight;
+    const auto mean = measure_in(pictures, drawing[i].kind, sight);
+    if (!mean)
+      throw WorkError({fmt::format("{} is seen at ({}) px, but its outline cannot be measured",
+                                   drawing[i].id, fixed(sight.uv_px, 1, ", ")),
+                       "clean it, see that nothing touches it, and expose the picture so that it "
+                       "stands out"});
+    means.push_back(*mean);
+    take_off_eccentricity(vision, drawing[i], means.back());
+  }
+  take_scatter(drawing, means);
+  Points uv_px;
+  std::vector<Eigen::Matrix2d> own_px2;
+  for (const MeanFiducial& mean : means) {
+    uv_px.push_back(mean.uv_px);
+    own_px2.push_back(mean.covariance_px2);
+  }
+  const WorkMarks marks = marks_on_plane(vision, drawing, uv_px, own_px2);
+  const WorkFit fit = fit_to_drawing(marks, settings.drawing_sigma, settings.allowed, vision,
+                                     drawing.front().z);
+  FoundWork work;
+  work.pose = fit.pose;
+  work.chance = fit.chance();
+  for (std::size_t i = 0; i < drawing.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const double scale = px_per_m(plane_at(vision.workplane, drawing[i].z), marks.p_B.col(at));
+    work.fiducials.push_back({drawing[i], means[i].uv_px, marks.p_B.col(at), fit.residuals.col(at),
+                              per_axis(marks.covariance().block<2, 2>(2 * at, 2 * at)),
+                              is_round(drawing[i].kind) ? means[i].size_px / scale : 0.0});
+  }
+  return work;
+}
+
+/// Says what a person should know of a work that was found.
+void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCalibration& vision) {
+  if (work.fiducials.size() == 2) {
+    const auto& [first, second] = std::pair(work.fiducials[0], work.fiducials[1]);
+    const double power = 4.0 * std::sqrt(2.0) * std::hypot(settings.drawing_sigma,
+                                                           std::max(first.sigma, second.sigma));
+    work.remarks.push_back(fmt::format(
+        "two marks have one check, their distance: a mark that is off by less than {:.3f} mm along "
+        "their line, or by anything across it, is not noticed",
+        mm(power)));
+  }
+  if (!vision.error_map)
+    work.remarks.emplace_back(
+        "vision is not compensated; what the lens model leaves is not in the uncertainty");
+  else if (std::holds_alternative<ErrorMap>(*vision.error_map))
+    work.remarks.emplace_back(
+        "the error map does not tell the lens from the lamps: nothing is taken off the marks, and "
+        "its error stands in their uncertainty");
+}
+
+void number_works(std::vector<FoundWork>& works) {
+  // From left to right, row by row, as a person reads a panel.
+  std::sort(works.begin(), works.end(), [](const FoundWork& a, const FoundWork& b) {
+    return std::make_pair(a.pose.t.x(), a.pose.t.y()) < std::make_pair(b.pose.t.x(), b.pose.t.y());
+  });
+  if (works.size() == 1) return;
+  for (std::size_t i = 0; i < works.size(); ++i) works[i].id = std::to_string(i + 1);
+}
+
+[[noreturn]] void refuse_ambiguous(const std::vector<Constellation>& found) {
+  std::string places;
+  for (const Constellation& place : found)
+    places += fmt::format("{}{} turned by {:.1f} deg", places.empty() ? "" : "; ",
+                          place_mm(place.X_BW.translation()),
+                          std::atan2(place.X_BW(1, 0), place.X_BW(0, 0)) / kDegree);
+  throw WorkError({fmt::format("the drawing fits in {} ways; its origin would be at {}",
+                               found.size(), places),
+                   "say with --near X,Y,TURN which one is meant, take --all where each is a work "
+                   "of its own, or give the drawing a mark that breaks its symmetry"});
+}
+
+/// Returns whether two of these places share a mark, so that not each can be a work of its own.
+bool share_marks(const std::vector<Constellation>& found) {
+  std::vector<std::size_t> all;
+  for (const Constellation& place : found)
+    all.insert(all.end(), place.candidates.begin(), place.candidates.end());
+  std::sort(all.begin(), all.end());
+  return std::adjacent_find(all.begin(), all.end()) != all.end();
+}
+
+WorkMarks with_drawing_noise(WorkMarks marks, double sigma) {
+  marks.own.diagonal().array() += sigma * sigma;
+  return marks;
+}
+
+/// Says how far the marks' scale is from the drawing's, and which height would explain it.
+[[noreturn]] void refuse_scale(const WorkFit& similarity, const VisionCalibration& vision, double z) {
+  const double scale = similarity.pose.scale();
+  const double H = vision.workplane.X_WC().translation().z();
+  throw WorkError(
+      {fmt::format("the marks are {:.3f} times as far apart as in the drawing, which is beyond "
+                   "what drawing and picture allow: the print is not to scale, the drawing has "
+                   "another unit or pitch, or the marks lie {:.1f} mm {} than z_mm = {:g} says",
+                   scale, mm(std::abs((scale - 1.0) * (H - z))), scale > 1.0 ? "higher" : "lower",
+                   mm(z)),
+       "measure their height, or allow a scale with --map similarity"});
+}
+
+[[noreturn]] void refuse_misfit(const WorkMarks& marks, const WorkFit& fit) {
+  Eigen::Index worst = 0;
+  fit.residuals.colwise().norm().maxCoeff(&worst);
+  throw WorkError(
+      {fmt::format("the marks do not fit the drawing; {} is off by {:.3f} mm, and no single one "
+                   "can be told to be wrong",
+                   marks.ids[static_cast<std::size_t>(worst)],
+                   mm(fit.residuals.col(worst).norm())),
+       "compare the drawing with the work, see that it lies flat, or state a larger deviation of "
+       "the drawing with --drawing-sigma-mm"});
+}
+
+}  // namespace
+
+WorkMarks marks_on_plane(const VisionCalibration& vision, const std::vector<Fiducial>& fiducials,
+                         const std::vector<Eigen::Vector2d>& uv_px,
+                         const std::vector<Eigen::Matrix2d>& own_px2) {
+  const auto n = static_cast<Eigen::Index>(fiducials.size());
+  const Eigen::Vector3d p_WC = vision.workplane.X_WC().translation();
+  Points seen(fiducials.size());
+  std::vector<Eigen::Matrix2d> slopes(fiducials.size());
+  for (std::size_t i = 0; i < fiducials.size(); ++i) {
+    const auto s = vision.workplane.plane_from_pixel(uv_px[i], &slopes[i]);
+    if (!s) refuse_outside(fiducials[i]);
+    seen[i] = *s;
+  }
+  const LensError lens = lens_error(vision, seen);
+  WorkMarks marks{{}, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n),
+                  Eigen::MatrixXd::Zero(2 * n, 2 * n), {}};
+  Eigen::MatrixXd shared(2 * n, lens.factor.cols() + 1);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double left = 1.0 - fiducials[k].z / p_WC.z();
+    const Eigen::Vector2d s = seen[k] - lens.error.col(i);
+    const Eigen::Vector2d raised = (s - p_WC.head<2>()) / p_WC.z();
+    marks.ids.push_back(fiducials[k].id);
+    marks.p_W.col(i) = fiducials[k].p_W;
+    marks.p_B.col(i) = s - fiducials[k].z * raised;
+    marks.own.block<2, 2>(2 * i, 2 * i) =
+        left * left * slopes[k] * own_px2[k] * slopes[k].transpose();
+    shared.middleRows<2>(2 * i) << left * lens.factor.middleRows<2>(2 * i),
+        -fiducials[k].sigma_z * raised;
+  }
+  marks.shared = shared * shared.transpose();
+  return marks;
+}
+
+WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
+                       const VisionCalibration& vision, double z) {
+  const WorkMarks doubted = with_drawing_noise(marks, sigma);
+  const std::optional<WorkFit> rigid = fit_work(doubted, WorkMap::kRigid);
+  if (!rigid)
+    throw WorkError(Refusal{"the marks do not determine where the work lies",
+                            "they must not all be in one place"});
+  // A map is stretched only where a rigid one leaves too much, and only as far as that helps.
+  if (rigid->chance() >= kFalseAlarm) return *rigid;
+  const bool may_scale = marks.size() > 2;  // two marks alone cannot tell a scale from a fault
+  const auto similarity = may_scale ? fit_work(doubted, WorkMap::kSimilarity) : std::nullopt;
+  if (similarity && similarity->chance() >= kFalseAlarm) {
+    if (allowed != WorkMap::kRigid) return *similarity;
+    if (!contradicting_mark(doubted, WorkMap::kRigid)) refuse_scale(*similarity, vision, z);
+  }
+  const auto affine = marks.size() > 3 ? fit_work(doubted, WorkMap::kAffine) : std::nullopt;
+  if (allowed == WorkMap::kAffine && affine && affine->chance() >= kFalseAlarm) return *affine;
+  if (const auto odd = contradicting_mark(doubted, WorkMap::kRigid))
+    throw WorkError({fmt::format("{} is {:.3f} mm from where the other marks put it",
+                                 marks.ids[odd->mark], mm(odd->distance_m)),
+                     "compare it with the drawing, look for a reflection or a mark of another "
+                     "work there, or leave its row out"});
+  if (!may_scale) {
+    const double drawn = (marks.p_W.col(1) - marks.p_W.col(0)).norm();
+    const double seen = (marks.p_B.col(1) - marks.p_B.col(0)).norm();
+    throw WorkError(
+        {fmt::format("{} and {} are {:.3f} mm apart, and {:.3f} mm in the drawing: one is not the "
+                     "mark, the print is not to scale, or they lie at another height than z_mm",
+                     marks.ids[0], marks.ids[1], mm(seen), mm(drawn)),
+         "measure their distance and height; a third mark would tell which"});
+  }
+  refuse_misfit(marks, *rigid);
+}
+
+std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionCalibration& vision,
+                                 const std::vector<Fiducial>& drawing,
+                                 const WorkSettings& settings) {
+  const std::vector<Picture> pictures = pictures_of(frames, vision);
+  const std::vector<MarkCandidate> candidates =
+      candidates_in(pictures.front(), vision, drawing);
+  const std::vector<Constellation> found =
+      match_constellation(drawing, candidates, settings.place);
+  if (found.size() > 1 && (!settings.all || share_marks(found))) refuse_ambiguous(found);
+  std::vector<FoundWork> works;
+  for (const Constellation& constellation : found) {
+    works.push_back(work_at(constellation, candidates, pictures, vision, drawing, settings));
+    add_remarks(works.back(), settings, vision);
+  }
+  number_works(works);
+  return works;
+}
+
+WorkMotion look_again(const std::vector<Frame>& frames, const VisionCalibration& vision,
+                      const FoundWork& work) {
+  const std::vector<Picture> pictures = pictures_of(frames, vision);
+  WorkMotion motion;
+  std::vector<Fiducial> seen;
+  std::vector<MeanFiducial> means;
+  Points before_px;
+  for (const FoundFiducial& found : work.fiducials) {
+    const Workplane plane = plane_at(vision.workplane, found.fiducial.z);
+    const double size_px = found.fiducial.size * px_per_m(plane, found.p_B);
+    const FiducialSight place{pictures.front().motion.now(found.uv_px), Eigen::Matrix2d::Zero(),
+                              size_px, tag_number(found.fiducial.id).value_or(-1)};
+    auto mean = measure_in(pictures, found.fiducial.kind, place);
+    if (!mean) {
+      motion.hidden.push_back(found.fiducial.id);
+      continue;
+    }
+    take_off_eccentricity(vision, found.fiducial, *mean);
+    means.push_back(*mean);
+    seen.push_back(found.fiducial);
+    before_px.push_back(found.uv_px);
+  }
+  if (seen.empty()) return motion;
+  take_scatter(seen, means);
+  Points now_px;
+  std::vector<Eigen::Matrix2d> own_px2;
+  for (const MeanFiducial& mean : means) {
+    now_px.push_back(mean.uv_px);
+    own_px2.push_back(2.0 * mean.covariance_px2);  // of now and of then
+  }
+  const WorkMarks now = marks_on_plane(vision, seen, now_px, own_px2);
+  const WorkMarks then = marks_on_plane(vision, seen, before_px, own_px2);
+  motion.shift = (now.p_B - then.p_B).rowwise().mean();
+  if (seen.size() > 1) {
+    const Eigen::Isometry2d turned = fit_rigid_2d(now.p_B, then.p_B);
+    motion.turn = std::atan2(turned(1, 0), turned(0, 0));
+  }
+  // What lens and height do cancels between looks at one place; what is left is noise, and the
+  // image's motion between looks, a few hundredths of a pixel in moving air.
+  constexpr double kLeastMove_m = 20e-6, kSigmas = 5.0;
+  double farthest = 0.0, allowed = kLeastMove_m;
+  for (Eigen::Index i = 0; i < now.p_B.cols(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double scale = px_per_m(plane_at(vision.workplane, seen[k].z), now.p_B.col(i));
+    farthest = std::max(farthest, (now.p_B.col(i) - then.p_B.col(i)).norm());
+    allowed = std::max(allowed, kSigmas * per_axis(own_px2[k]) / scale);
+  }
+  if (farthest > allowed)
+    motion.moved = fmt::format(
+        "the work{} has moved since it was found, by {:.3f} mm, and turned by {:.3f} deg; its "
+        "marks moved by up to {:.3f} mm, where {:.3f} mm would be noise",
+        work.id.empty() ? "" : " " + work.id, mm(motion.shift.norm()), motion.turn / kDegree,
+        mm(farthest), mm(allowed));
+  return motion;
+}
+
+}  // namespace planar

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/loop/vision/see_tool.h"
+#include "planar_servo/workpiece/constellation.h"
+#include "planar_servo/workpiece/fiducials.h"
+#include "planar_servo/workpiece/work_pose.h"
+
+namespace planar {
+
+/// How a workpiece is looked for, and what is asked of it.
+struct WorkSettings {
+  WorkMap allowed{WorkMap::kRigid};  ///< the most general map that the drawing may have undergone
+  /// Standard deviation per axis of a mark about its drawing, as an etched board or a milled plate
+  /// has it, metres.
+  double drawing_sigma{20e-6};
+  std::optional<WorkPlace> place{};  ///< none: anywhere in the picture
+  bool all{false};                   ///< of several works of the same drawing
+};
+
+/// A mark of a workpiece that was found.
+struct FoundFiducial {
+  Fiducial fiducial;
+  Eigen::Vector2d uv_px{0.0, 0.0};  ///< of its image's centre, as seen at calibration
+  Eigen::Vector2d p_B{0.0, 0.0};
+  Eigen::Vector2d residual{0.0, 0.0};  ///< seen minus fitted, base frame
+  double sigma{0.0};                   ///< of p_B per axis, metres
+  double diameter{0.0};                ///< of a round one, metres; else 0
+};
+
+/// A workpiece that was found.
+struct FoundWork {
+  std::string id;  ///< empty for the only one
+  WorkPose pose;
+  std::vector<FoundFiducial> fiducials;
+  double chance{1.0};                ///< of residuals as large as these
+  std::vector<std::string> remarks;  ///< what a person should know
+};
+
+/// Workpieces of one drawing, as their file has them.
+struct LaidWorks {
+  std::filesystem::path file;
+  std::optional<CameraExposure> exposure;  ///< with which their marks are seen
+  std::vector<FoundWork> works;
+};
+
+/// Where vision sees marks at these pixels, as seen at calibration, at their heights over the
+/// lamps' plane: only what the lens does is taken off (theory section 20). The covariance has the
+/// marks' own noise `own_px2`, the doubt about the height, and that about the lens.
+WorkMarks marks_on_plane(const VisionCalibration& vision, const std::vector<Fiducial>& fiducials,
+                         const std::vector<Eigen::Vector2d>& uv_px,
+                         const std::vector<Eigen::Matrix2d>& own_px2);
+
+/// Fits the most general map that is allowed and that the marks demand. Throws WorkError naming a
+/// mark that contradicts the others, a scale that only a wrong height or another drawing explains,
+/// or marks that do not fit the drawing. `sigma` is WorkSettings::drawing_sigma.
+WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
+                       const VisionCalibration& vision, double z);
+
+/// Finds the workpieces of a drawing in whole frames of a scene at rest. Throws WorkError when
+/// there is none, when it fits in several ways and not all of them are wanted, and when its marks
+/// contradict the drawing.
+std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionCalibration& vision,
+                                 const std::vector<Fiducial>& drawing,
+                                 const WorkSettings& settings);
+
+/// What a later look at a workpiece shows.
+struct WorkMotion {
+  std::vector<std::string> hidden;     ///< marks that are not seen, as under the arm
+  Eigen::Vector2d shift{0.0, 0.0};     ///< of the seen marks' middle, metres
+  double turn{0.0};                    ///< radians; 0 where one mark is seen
+  std::optional<std::string> moved{};  ///< in words, where that is beyond what the looks allow
+};
+
+/// Looks at the marks of a workpiece again, each where it was.
+WorkMotion look_again(const std::vector<Frame>& frames, const VisionCalibration& vision,
+                      const FoundWork& work);
+
+}  // namespace planar

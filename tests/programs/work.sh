@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# work.sh BIN_DIR CELL_DIR: a workpiece is found by its marks, targets lie on it, and what is wrong with it is named.
+source "$(dirname "$0")/common.sh"
+cp -r "$2/cell" .
+find_work=("$bin/planar-find-work" --cell cell/cell.yaml)
+servo=("$bin/planar-servo" -q --cell cell/cell.yaml --no-health)
+
+cat >work.csv <<'END'
+id,x_mm,y_mm,kind,size_mm,z_mm,sigma_z_mm
+F1,5,5,bright_disc,4,-10,0.05
+F2,95,5,dark disc,4,-10,0.05
+F3,95,65,ring,6,-10,0.05
+F4,5,50,chess-corner,8,-10,0.05
+END
+cp cell/truth.yaml bare_truth.yaml
+put() { # put AT [OPTION...]: the only work of the cell lies there
+  cp bare_truth.yaml cell/truth.yaml
+  "$bin/planar-virtual-cell" put --cell cell/cell.yaml --drawing work.csv --at "$@" >/dev/null
+}
+
+put 200,150,12
+"${find_work[@]}" --drawing work.csv -o work.yaml --json found.json --report work.html >printed.txt 2>err.txt
+expect_sample printed.txt "${find_work[0]}"
+grep -q "data:image/jpeg" work.html || fail "the page has no picture"
+python3 - <<'END' || fail "the work is not where it was put: $(cat found.json)"
+import json, math
+found = json.load(open("found.json"))
+assert math.dist(found["origin_mm"], (200, 150)) < 0.1, found
+assert abs(found["turn_deg"] - 12) < 0.03, found
+END
+
+printf 'id,x_mm,y_mm,phi_deg\nT1,20,20,\nT2,70,40,0\n' >targets.csv
+"${servo[@]}" --work work.yaml --targets targets.csv --out run
+python3 - <<'END' || fail "targets are not those of the drawing: $(cat run/results.csv)"
+import csv, math
+rows = list(csv.DictReader(line for line in open("run/results.csv") if line[0] != "#"))
+turn = math.radians(12)
+for row, (x, y) in zip(rows, ((20, 20), (70, 40))):
+    at = (200 + x * math.cos(turn) - y * math.sin(turn), 150 + x * math.sin(turn) + y * math.cos(turn))
+    assert math.dist((float(row["x_mm"]), float(row["y_mm"])), at) < 0.1, row
+    assert 0 < float(row["sigma_target_mm"]) < float(row["uncertainty_mm"]), row
+assert abs(float(rows[0]["phi_deg"])) < 1e-6 and abs(float(rows[1]["phi_deg"]) - 12) < 0.03, rows
+END
+"${servo[@]}" --work work.yaml --targets - --out streamed <<<"S,20,20" >answers.txt 2>err.txt
+grep -q '"x_mm":215\.' answers.txt || fail "a target of a stream is not on the work: $(cat answers.txt)"
+printf 'G90 G1 X20 Y20 F300\nG1 X60 Y20\nG2 X60 Y40 I0 J10\n' >part.nc
+"${servo[@]}" --work work.yaml --path part.nc --check --json path.json >/dev/null
+"${servo[@]}" --work work.yaml --path part.nc --out path >/dev/null
+
+# A work that slides while it is worked on.
+put 200,150,12 --slide 10,0.4,0,0
+"${find_work[@]}" --drawing work.csv -o slid.yaml >/dev/null 2>&1
+awk 'BEGIN { print "id,x_mm,y_mm"; for (i = 0; i < 8; ++i) print "T" i "," 20 + 5 * i ",30" }' >many.csv
+status=0
+"${servo[@]}" --work slid.yaml --targets many.csv --out doubted >out.txt 2>err.txt || status=$?
+[ $status -eq 1 ] || fail "a work that slid ended the run with $status"
+grep -q "has moved since it was found" doubted/report.html || fail "the report does not say that the work moved"
+grep -q "doubted" doubted/results.csv || fail "no target is doubted: $(cat doubted/results.csv)"
+
+# What is wrong is named, and no file is written.
+put 200,150,12
+made=("${find_work[@]}" -o made)
+variant() { sed "$1" work.csv >other.csv; }
+variant 's/95,65/95,65.4/'
+expect 1 "F3 is 0\.[0-9]* mm from where" "${made[@]}" --drawing other.csv --drawing-sigma-mm 0.005
+variant 's/,5,5,/,5,-5,/; s/,95,5,/,95,-5,/; s/,95,65,/,95,-65,/; s/,5,50,/,5,-50,/'
+expect 1 "mirrored" "${made[@]}" --drawing other.csv
+variant '$a F5,50,30,dark_disc,4,-10,0.05'
+expect 1 "F5 is not seen" "${made[@]}" --drawing other.csv
+variant 's/,95,/,120,/'
+expect 1 "found nowhere|not seen|do not fit" "${made[@]}" --drawing other.csv
+variant 's/bright_disc/blob/; s/F2/F1/'
+expect 2 "other.csv:2.*no kind of mark" "${made[@]}" --drawing other.csv
+expect 1 "near the given place" "${made[@]}" --drawing work.csv --near -200,150
+expect 2 "work.csv" "${find_work[@]}" -o work.csv --drawing work.csv
+put 200,150,12 --higher-mm 2
+expect 1 "mm higher than z_mm" "${made[@]}" --drawing work.csv --drawing-sigma-mm 0.005
+"${find_work[@]}" -o shrunk.yaml --drawing work.csv --map similarity --drawing-sigma-mm 0.005 >/dev/null 2>&1
+grep -q "map: similarity" shrunk.yaml || fail "no similarity was fitted"
+
+# A file of another calibration moves nothing.
+sed -i 's/rms_mm: .*/rms_mm: 0.0123/' cell/workplane.yaml
+"$bin/planar-doctor" --seal cell/workplane.yaml >/dev/null
+expect 2 "planar-find-work" "${servo[@]}" --accept-map --work work.yaml --targets targets.csv --out made
