@@ -36,6 +36,29 @@ ordered_json disc_json(const KeepOut& disc) {
           {"radius_mm", json_number(mm(disc.radius_m))}};
 }
 
+ordered_json barrier_json(const Barrier& barrier) {
+  std::vector<Eigen::Vector2d> outline = barrier.corners_B;
+  if (outline.size() == 1) {
+    constexpr int kCorners = 36;
+    for (int i = 1; i <= kCorners; ++i)
+      outline.emplace_back(barrier.corners_B[0] +
+                           barrier.radius_m * rotation2d(2.0 * kPi * i / kCorners).col(0));
+    outline.erase(outline.begin());
+  }
+  return {{"name", barrier.name}, {"outline_mm", json_list(outline, json_mm)}};
+}
+
+/// Returns the end point's way from rest to rest, to draw it.
+ordered_json way_json(const JointPlanner& planner, Joints from, const ApproachWay& way) {
+  std::vector<Eigen::Vector2d> places;
+  for (const Joints& stop : way.stops) {
+    const auto drawn = planner.drawn_way(from, stop);
+    places.insert(places.end(), drawn.begin(), drawn.end());
+    from = stop;
+  }
+  return json_list(places, json_mm);
+}
+
 ordered_json arrow_json(const Eigen::Vector2d& p, const ErrorPrediction& error) {
   return {{"x_mm", json_number(mm(p.x()))},
           {"y_mm", json_number(mm(p.y()))},
@@ -116,7 +139,8 @@ ordered_json KnownCell::json() const {
           {"workspace",
            {{"radius_min_mm", json_number(mm(cell.workspace.radius_min_m))},
             {"radius_max_mm", json_number(mm(cell.workspace.radius_max_m))},
-            {"keep_out", json_list(cell.workspace.keep_out, disc_json)}}},
+            {"keep_out", json_list(cell.workspace.keep_out, disc_json)},
+            {"obstacles", json_list(cell.workspace.barriers, barrier_json)}}},
           {"has",
            {{"camera_model", fs::exists(cell.camera_model)},
             {"workplane", fs::exists(cell.workplane)},
@@ -148,13 +172,16 @@ ordered_json KnownCell::place_json(const Eigen::Vector2d& p, std::optional<doubl
                                    const Joints& from) const {
   const TipPose pose{p, phi.value_or(settings().tool_orientation)};
   const JointPlan plan = cell_.planner.plan(pose, from);
-  std::optional<std::string> why = plan.refusal;
-  if (!why) why = approach_refusal(cell_.planner, settings().servo, from, plan.theta);
+  const ApproachWay way = plan.refusal ? ApproachWay{{}, plan.refusal}
+                                       : approach_way(cell_.planner, settings().servo, from, plan.theta);
+  const std::optional<std::string>& why = way.refusal;
   ordered_json answer{{"reachable", !why},
                       {"why", why ? ordered_json(*why) : ordered_json(nullptr)},
                       {"sigma_mm", nullptr},
                       {"error_mm", nullptr},
-                      {"in_region", false}};
+                      {"in_region", false},
+                      {"barred", way.barred ? ordered_json(*way.barred) : ordered_json(nullptr)},
+                      {"way_mm", way_json(cell_.planner, from, way)}};
   if (!uses_error_map(cell_)) return answer;
   const ErrorPrediction error = predict_error_at(*cell_.vision, pose);
   answer["sigma_mm"] = json_number(mm(error.sigma));

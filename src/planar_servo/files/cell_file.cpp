@@ -61,11 +61,42 @@ void read_camera(Fields& fields, CameraSettings& camera, const DeviceKinds& kind
   if (camera.kind != nullptr) camera.details = camera.kind->read(fields);
 }
 
+void read_heights(Fields& fields, const std::string& key, Heights& heights) {
+  if (!fields.given(key, false)) return;
+  std::array<double, 2> limits{};
+  if (!fields.numbers(key, limits, kMillimetre)) return;
+  fields.check(limits[0] < limits[1], {"the lower height must come first"}, key);
+  heights = {limits[0], limits[1]};
+}
+
+/// Reads what the arm takes up, which only a workspace with obstacles asks for.
+void read_body(Fields& fields, ArmBody& body) {
+  if (fields.given("link_width_mm", false))
+    fields.numbers("link_width_mm", body.link_widths_m, kMillimetre, Range::positive());
+  if (fields.given("link_height_mm", false)) {
+    std::array<Eigen::Vector2d, 2> heights{};
+    fields.rows("link_height_mm", heights, [](RowFields& row, Eigen::Vector2d& limits) {
+      for (double& limit : limits) row.number(limit, kMillimetre);
+    });
+    for (std::size_t i = 0; i < 2; ++i) {
+      fields.check(heights[i].x() < heights[i].y(), {"the lower height must come first"},
+                   "link_height_mm");
+      body.link_heights[i] = {heights[i].x(), heights[i].y()};
+    }
+  }
+  if (fields.given("tool_radius_mm", false))
+    fields.number("tool_radius_mm", body.tool_radius_m, kMillimetre, Range::positive());
+  read_heights(fields, "tool_height_mm", body.tool_heights);
+  if (fields.given("clearance_mm", false))
+    fields.number("clearance_mm", body.clearance_m, kMillimetre, Range::at_least(0.0));
+}
+
 void read_arm(Fields& fields, ArmSettings& arm) {
   fields.numbers("link_lengths_mm", arm.geometry.link_lengths_m, kMillimetre, Range::positive());
   fields.choice("positive_rotation", arm.geometry.positive_rotation, kRotations);
   fields.choice("elbow", arm.elbow, kElbows);
   fields.numbers("home_deg", arm.home, kDegree);
+  read_body(fields, arm.geometry.body);
 }
 
 void read_joints(Fields& fields, TransmissionSettings& transmission) {
@@ -120,6 +151,25 @@ void list_servo(Fields& fields, ServoSettings& servo) {
   if (fields.given("learn", true)) fields.choice("learn", servo.learns, kTruths);
 }
 
+/// Reads `x_mm, y_mm, radius_mm` of a disc, or the corners `polygon_mm`; both may have `z_mm`.
+void read_barrier(Fields& fields, Barrier& barrier) {
+  fields.text("name", barrier.name);
+  read_heights(fields, "z_mm", barrier.heights);
+  if (!fields.given("polygon_mm", false)) {
+    barrier.corners_B.assign(1, Eigen::Vector2d::Zero());
+    fields.number("x_mm", barrier.corners_B[0].x(), kMillimetre);
+    fields.number("y_mm", barrier.corners_B[0].y(), kMillimetre);
+    fields.number("radius_mm", barrier.radius_m, kMillimetre, Range::positive());
+    return;
+  }
+  fields.rows("polygon_mm", barrier.corners_B, [](RowFields& row, Eigen::Vector2d& corner) {
+    for (double& coordinate : corner) row.number(coordinate, kMillimetre);
+  });
+  fields.check(is_simple_polygon(barrier.corners_B),
+               {"needs three corners or more, in the order of its edge, which must not cross itself"},
+               "polygon_mm");
+}
+
 void read_workspace(Fields& fields, Workspace& workspace) {
   const bool lower =
       fields.number("radius_min_mm", workspace.radius_min_m, kMillimetre, Range::at_least(0.0));
@@ -132,6 +182,23 @@ void read_workspace(Fields& fields, Workspace& workspace) {
     fields.number("y_mm", circle.p_B.y(), kMillimetre);
     fields.number("radius_mm", circle.radius_m, kMillimetre, Range::positive());
   });
+  if (fields.given("obstacles", false))
+    fields.maps("obstacles", workspace.barriers,
+                [&](Barrier& barrier) { read_barrier(fields, barrier); });
+}
+
+/// An arm that knows of obstacles but not of its own width would touch them.
+void require_body(Fields& fields, const ArmSettings& arm, const Workspace& workspace) {
+  fields.check(workspace.barriers.empty() || arm.geometry.body.link_widths_m.minCoeff() > 0.0,
+               {"workspace.obstacles are there, but the arm's width is not known",
+                "add arm.link_width_mm: [WIDTH1, WIDTH2]"});
+  const ArmBody& body = arm.geometry.body;
+  for (const Barrier& barrier : workspace.barriers)
+    fields.check(!body.link_heights[0].overlap(barrier.heights) ||
+                     distance_m({0.0, 0.0}, {0.0, 0.0}, barrier) > 0.5 * body.link_widths_m[0],
+                 {fmt::format("the obstacle {} reaches over the base's axis, where link 1 turns",
+                              barrier.name),
+                  "correct its place, or give it z_mm and the links link_height_mm"});
 }
 
 void read_lamps(Fields& fields, LampSettings& lamps) {
@@ -213,6 +280,7 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   fields.number("tool_orientation_deg", cell.tool_orientation, kDegree);
   fields.map("servo", [&] { list_servo(fields, cell.servo); });
   fields.map("workspace", [&] { read_workspace(fields, cell.workspace); });
+  require_body(fields, cell.arm, cell.workspace);
   fields.map("lamps", [&] { read_lamps(fields, cell.lamps); });
   if (fields.given("reference_lamps", true)) read_reference_lamps(fields, cell.reference_lamps);
   fields.map("tracker", [&] { read_tracker(fields, cell, kinds); });

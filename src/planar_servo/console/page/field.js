@@ -10,7 +10,7 @@ const TRAIL = 200;  // places of the end point that are remembered
 const svg = byId("field-view");
 const layers = {};
 const trail = [];
-let cell, state = null, targets = [], path = [], results = new Map(), chosen = null, px = 1;  // px: one pixel in mm
+let cell, state = null, targets = [], path = [], results = new Map(), chosen = null, chosenWay = [], px = 1;  // px: one pixel in mm
 
 const at = ([x, y]) => `${x.toFixed(3)} ${(-y).toFixed(3)}`;
 const line = (points, attributes) => draw("path", {d: `M${points.map(at).join("L")}`, ...attributes});
@@ -25,7 +25,7 @@ function roundUp(value) {
 }
 
 function ground() {
-  const {radius_min_mm: least, radius_max_mm: most, keep_out} = cell.workspace;
+  const {radius_min_mm: least, radius_max_mm: most, keep_out, obstacles} = cell.workspace;
   const edge = most * 1.1, step = roundUp(LEAST_GRID_PX * px), marks = [];
   marks.push(draw("circle", {r: most, class: "reach"}), draw("circle", {r: least, class: "hole"}));
   for (let v = -Math.floor(edge / step) * step; v <= edge; v += step) {
@@ -40,6 +40,9 @@ function ground() {
     draw("text", {x: 6 * px, y: -edge + 14 * px, class: "name"}, "y"));
   for (const {x_mm, y_mm, radius_mm} of keep_out)
     marks.push(draw("circle", {cx: x_mm, cy: -y_mm, r: radius_mm, class: "keep-out"}));
+  for (const {name, outline_mm} of obstacles)
+    marks.push(draw("path", {d: `M${outline_mm.map(at).join("L")}Z`, class: "obstacle"}),
+      draw("text", {x: outline_mm[0][0] + 3 * px, y: -outline_mm[0][1], class: "label"}, name));
   if (cell.map && cell.map.region_mm.length) marks.push(draw("path", {
     d: `M${cell.map.region_mm.map(at).join("L")}Z`, class: "region"}));
   layers.ground.replaceChildren(...marks);
@@ -125,7 +128,8 @@ function showChosen() {
   if (!chosen) return layers.chosen.replaceChildren();
   const [x, y] = chosen, r = 12 * px, gap = 4 * px;
   layers.chosen.replaceChildren(draw("path", {class: "chosen", d: `M${x - r} ${-y}h${r - gap}m${2 * gap} 0h${r - gap}` +
-    `M${x} ${-y - r}v${r - gap}m0 ${2 * gap}v${r - gap}`}));
+    `M${x} ${-y - r}v${r - gap}m0 ${2 * gap}v${r - gap}`}),
+    ...chosenWay.length ? [line(chosenWay, {class: "way"})] : []);
 }
 
 function redraw() {
@@ -169,8 +173,10 @@ export function showPath(places = path) {
     draw("circle", {cx: path[0][0], cy: -path[0][1], r: 5 * px, class: "path"})] : []));
 }
 
-export function markPlace(place) {
+/// Marks a chosen place, and the end point's way there where it is known.
+export function markPlace(place, way = []) {
   chosen = place;
+  chosenWay = way;
   showChosen();
 }
 

@@ -12,7 +12,7 @@ const known = place => Object.fromEntries(Object.entries(place).filter(([, value
 
 function textOf(place, answer) {
   const parts = [placeText([place.x_mm, place.y_mm])];
-  parts.push(answer.reachable ? "can be reached" : `cannot be reached: ${answer.why}`);
+  parts.push(answer.reachable ? answer.barred ? `is reached by a way round, since ${answer.barred}` : "can be reached" : `cannot be reached: ${answer.why}`);
   if (answer.sigma_mm !== null) parts.push(`expected uncertainty ${fixed(answer.sigma_mm, 4)} mm per axis`);
   if (answer.error_mm) parts.push(`vision errs by ${fixed(answer.error_mm[0], 3)}, ${fixed(answer.error_mm[1], 3)} mm`);
   if (hasMap && !answer.in_region) parts.push("outside the valid region of the map");
@@ -29,6 +29,7 @@ async function examine() {
   markPlace([place.x_mm, place.y_mm]);
   const answer = await attempt(() => ask(`api/place?${new URLSearchParams(known(place))}`));
   if (!answer) return;
+  markPlace([place.x_mm, place.y_mm], answer.way_mm);
   put("place", textOf(place, answer));
   byId("place").classList.toggle("warning", !answer.reachable || (hasMap && !answer.in_region));
   setReady("go", answer.reachable);

@@ -46,18 +46,47 @@ class Way {
     return length;
   }
 
-  /// Returns when, within an interval, the end point lies deepest beyond a border, to
-  /// JointPlanner::kWayResolution_m, as long as that is deeper than at `best_s`.
-  double deepest_s(const Border& border, double from_s, double to_s, double best_s) const {
+  /// Returns when, within an interval, the arm lies deepest beyond a border, to
+  /// JointPlanner::kWayResolution_m, as long as that is deeper than at `best_s`. `depth_m(joints)`
+  /// changes by no more than the end point, or any other part, moves.
+  template <typename Depth>
+  double deepest_s(const Depth& depth_m, double from_s, double to_s, double best_s) const {
     const double middle_s = 0.5 * (from_s + to_s);
-    const double depth = border.depth_m(point_at(middle_s));
-    if (depth > border.depth_m(point_at(best_s))) best_s = middle_s;
+    const double depth = depth_m(joints_at(middle_s));
+    if (depth > depth_m(joints_at(best_s))) best_s = middle_s;
     const double reach = std::max(length_bound_m(from_s, middle_s), length_bound_m(middle_s, to_s));
     if (depth + reach <=
-        std::max(0.0, border.depth_m(point_at(best_s))) + JointPlanner::kWayResolution_m)
+        std::max(0.0, depth_m(joints_at(best_s))) + JointPlanner::kWayResolution_m)
       return best_s;
-    best_s = deepest_s(border, from_s, middle_s, best_s);
-    return deepest_s(border, middle_s, to_s, best_s);
+    best_s = deepest_s(depth_m, from_s, middle_s, best_s);
+    return deepest_s(depth_m, middle_s, to_s, best_s);
+  }
+
+  /// Returns a time within an interval at which the arm lies deeper than `allowed_m`; empty when
+  /// there is none but for JointPlanner::kWayResolution_m.
+  template <typename Depth>
+  std::optional<double> deeper_s(const Depth& depth_m, double allowed_m, double from_s,
+                                 double to_s) const {
+    const double middle_s = 0.5 * (from_s + to_s);
+    const double depth = depth_m(joints_at(middle_s));
+    if (depth > allowed_m + JointPlanner::kWayResolution_m) return middle_s;
+    const double reach = std::max(length_bound_m(from_s, middle_s), length_bound_m(middle_s, to_s));
+    if (depth + reach <= allowed_m + JointPlanner::kWayResolution_m) return std::nullopt;
+    if (const auto early = deeper_s(depth_m, allowed_m, from_s, middle_s)) return early;
+    return deeper_s(depth_m, allowed_m, middle_s, to_s);
+  }
+
+  /// Returns the joints at which motors come to rest that are told to stop at this time.
+  Joints stopped_at(double t_s) const {
+    Eigen::Vector3d motors;
+    for (int i = 0; i < 3; ++i) {
+      const double speed = moves_[static_cast<std::size_t>(i)].speed_at(t_s);
+      const double brakes =
+          transmission_.settings().drives[static_cast<std::size_t>(i)].max_acceleration_rad_s2;
+      motors[i] = moves_[static_cast<std::size_t>(i)].angle_at(t_s) +
+                  0.5 * speed * std::abs(speed) / brakes;
+    }
+    return transmission_.joints_from_motors(motors);
   }
 
  private:
@@ -93,13 +122,15 @@ void JointPlanner::plan_for(FoundArm found) {
 
 std::optional<std::string> JointPlanner::refusal(const Joints& theta) const {
   if (auto outside = workspace_.violation(arm_.forward(theta).p)) return outside;
+  if (gap(theta).gap_m < 0.0) return touching(theta);
   return transmission_.limit_violation(theta);
 }
 
-std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const Joints& to) const {
+std::optional<std::string> JointPlanner::sweep_refusal(const Joints& from, const Joints& to) const {
   const Way way(arm_, transmission_, from, to);
   for (const Border& border : workspace_.borders()) {
-    const double deepest_s = way.deepest_s(border, 0.0, way.duration_s(), 0.0);
+    const auto depth = [&](const Joints& theta) { return border.depth_m(arm_.forward(theta).p); };
+    const double deepest_s = way.deepest_s(depth, 0.0, way.duration_s(), 0.0);
     const Eigen::Vector2d deepest = way.point_at(deepest_s);
     const double allowed = std::max(0.0, border.depth_m(way.point_at(0.0)));
     if (border.depth_m(deepest) > allowed + kWayResolution_m)
@@ -109,7 +140,47 @@ std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const J
           mm(border.depth_m(deepest)), border.words, mm(border.radius_m), place_mm(border.p_B),
           place_mm(deepest));
   }
+  if (workspace_.barriers.empty()) return std::nullopt;
+  const auto depth = [&](const Joints& theta) { return -gap(theta).gap_m; };
+  const double allowed = std::max(0.0, depth(from));
+  if (const auto touches_s = way.deeper_s(depth, allowed, 0.0, way.duration_s()))
+    return "on the way there " + touching(way.joints_at(*touches_s));
   return std::nullopt;
+}
+
+std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const Joints& to) const {
+  if (auto refusal = sweep_refusal(from, to)) return refusal;
+  if (workspace_.barriers.empty()) return std::nullopt;
+  const Way way(arm_, transmission_, from, to);
+  const double allowed = std::max(0.0, -gap(from).gap_m);
+  constexpr int kStops = 64;
+  for (int i = 1; i < kStops; ++i) {
+    const Joints stop = way.stopped_at(way.duration_s() * i / kStops);
+    if (-gap(stop).gap_m > allowed + kWayResolution_m)
+      return "an arm that is stopped on the way there: " + touching(stop);
+  }
+  return std::nullopt;
+}
+
+std::vector<Eigen::Vector2d> JointPlanner::drawn_way(const Joints& from, const Joints& to) const {
+  constexpr int kPieces = 24;
+  const Way way(arm_, transmission_, from, to);
+  std::vector<Eigen::Vector2d> places;
+  for (int i = 0; i <= kPieces; ++i) places.push_back(way.point_at(way.duration_s() * i / kPieces));
+  return places;
+}
+
+ArmGap JointPlanner::gap(const Joints& theta) const {
+  return smallest_gap(arm_.geometry().body, workspace_.barriers, arm_.elbow_place(theta),
+                      arm_.forward(theta).p);
+}
+
+std::string JointPlanner::touching(const Joints& theta) const {
+  const ArmGap nearest = gap(theta);
+  return fmt::format("{} would come within {:.1f} mm of the obstacle {}, with the end point at {}",
+                     nearest.part,
+                     mm(std::max(0.0, nearest.gap_m + arm_.geometry().body.clearance_m)),
+                     workspace_.barriers[nearest.barrier].name, place_mm(arm_.forward(theta).p));
 }
 
 TipPose JointPlanner::reached(const Joints& commanded) const {
@@ -128,6 +199,7 @@ JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
   if (!found_) return {theta, refusal(theta)};
   if (auto outside = workspace_.violation(target.p)) return {theta, outside};
   const JointPlan plan = plan_as_found(target, theta);
+  if (!plan.refusal && gap(plan.theta).gap_m < 0.0) return {plan.theta, touching(plan.theta)};
   return {plan.theta, plan.refusal ? plan.refusal : transmission_.limit_violation(plan.theta)};
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "planar_servo/geometry/arm/found_arm.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
@@ -36,6 +37,14 @@ class JointPlanner {
   /// than where it begins, so that an arm that stands in a keep-out disc can leave it.
   std::optional<std::string> way_refusal(const Joints& from, const Joints& to) const;
 
+  /// Returns the rests of a way from one rest to another, the last of which is `to`: one where the
+  /// straight way is allowed, else more where a way round the barriers is found. Empty where there
+  /// is none. The tool keeps its direction until the last of them.
+  std::vector<Joints> way_round(const Joints& from, const Joints& to) const;
+
+  /// Returns places of the end point on the straight way between two rests, to draw it.
+  std::vector<Eigen::Vector2d> drawn_way(const Joints& from, const Joints& to) const;
+
   /// Depths on a way are known to this, metres: a hundredth of a millimetre.
   static constexpr double kWayResolution_m{1e-5};
 
@@ -56,6 +65,18 @@ class JointPlanner {
   const Transmission& transmission() const { return transmission_; }
 
  private:
+  /// Returns the gap to the nearest barrier.
+  ArmGap gap(const Joints& theta) const;
+  /// Returns the rests of a way over a grid of this step (radians) in motors 1 and 2; empty where
+  /// there is none.
+  std::vector<Joints> way_on_grid(const Joints& from, const Joints& to, double step) const;
+  /// Leaves out rests between which the straight way is allowed; the first is where the arm stands.
+  /// Empty where even the next one is not.
+  std::vector<Joints> shortened(const std::vector<Joints>& rests) const;
+  /// Returns why the way between two rests is forbidden to an arm that is not stopped on it.
+  std::optional<std::string> sweep_refusal(const Joints& from, const Joints& to) const;
+  /// Says in words which part touches which barrier there.
+  std::string touching(const Joints& theta) const;
   /// Returns the joint angles, near `theta`, by which the arm as it was found reaches the target.
   JointPlan plan_as_found(const TipPose& target, Joints theta) const;
 

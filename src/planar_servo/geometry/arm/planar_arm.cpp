@@ -96,6 +96,11 @@ TipPose PlanarArm::forward(const Joints& theta) const {
           sense_ * theta[2]};
 }
 
+Eigen::Vector2d PlanarArm::elbow_place(const Joints& theta) const {
+  return geometry_.link_lengths_m[0] *
+         Eigen::Vector2d(std::cos(theta[0]), sense_ * std::sin(theta[0]));
+}
+
 InverseResult PlanarArm::inverse(const TipPose& target, Elbow elbow, const Joints& near) const {
   require_finite(target.p, "target position");
   require_finite(Eigen::Matrix<double, 1, 1>(target.phi), "target direction");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/pose.h"
+#include "planar_servo/geometry/arm/clearance.h"
 
 namespace planar {
 
@@ -37,6 +38,7 @@ struct Workspace {
   double radius_min_m{0.0};
   double radius_max_m{0.0};
   std::vector<KeepOut> keep_out;
+  std::vector<Barrier> barriers{};  ///< what no part of the arm may touch
 
   /// Names the rule that forbids this end point, in words with the numbers; empty when none does.
   std::optional<std::string> violation(const Eigen::Vector2d& p_B) const;
@@ -61,6 +63,7 @@ enum class Elbow { kLeft, kRight };
 struct ArmGeometry {
   Eigen::Vector2d link_lengths_m{0.3, 0.3};
   Rotation positive_rotation{Rotation::kCounterclockwise};
+  ArmBody body{};  ///< asked for only where there are barriers
 };
 
 enum class ReachStatus {
@@ -95,6 +98,9 @@ class PlanarArm {
   InverseResult inverse(const TipPose& target, Elbow elbow, const Joints& near) const;
 
   Elbow elbow(const Joints& theta) const;
+
+  /// Returns the elbow's place in the base frame.
+  Eigen::Vector2d elbow_place(const Joints& theta) const;
 
   /// Returns d(x, y) / d(theta1, theta2), metres per radian.
   Eigen::Matrix2d jacobian(const Joints& theta) const;

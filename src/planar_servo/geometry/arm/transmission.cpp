@@ -124,4 +124,8 @@ double MotorMove::angle_at(double t_s) const {
   return from_ + acceleration_ * ramp_s_ * (t_s - 0.5 * ramp_s_);
 }
 
+double MotorMove::speed_at(double t_s) const {
+  return acceleration_ * std::clamp(std::min(t_s, duration_s() - t_s), 0.0, ramp_s_);
+}
+
 }  // namespace planar

@@ -92,6 +92,8 @@ class MotorMove {
 
   /// Returns the angle at this time after the beginning; at rest before and afterwards.
   double angle_at(double t_s) const;
+  /// Returns its speed at that time, radians/s, signed.
+  double speed_at(double t_s) const;
 
  private:
   double from_, to_;

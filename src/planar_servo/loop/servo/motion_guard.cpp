@@ -109,19 +109,34 @@ std::vector<Joints> approach_stops(const Transmission& transmission, const Servo
           theta};
 }
 
-std::optional<std::string> approach_refusal(const JointPlanner& planner,
-                                            const ServoSettings& settings, const Joints& from,
-                                            const Joints& theta) {
-  if (auto refusal = planner.refusal(theta)) return refusal;
-  Joints rest = from;
-  for (const Joints& stop : approach_stops(planner.transmission(), settings, theta)) {
+namespace {
+
+/// Says why the arm must not go straight from `from` through these stops.
+std::optional<std::string> refusal_through(const JointPlanner& planner,
+                                           const std::vector<Joints>& stops, Joints from) {
+  for (const Joints& stop : stops) {
     auto refusal = planner.transmission().limit_violation(stop);
-    if (!refusal) refusal = planner.way_refusal(rest, stop);
-    if (refusal && stop != theta) return "on the approach from one side, " + *refusal;
+    if (!refusal) refusal = planner.way_refusal(from, stop);
+    if (refusal && stop != stops.back()) return "on the approach from one side, " + *refusal;
     if (refusal) return refusal;
-    rest = stop;
+    from = stop;
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+ApproachWay approach_way(const JointPlanner& planner, const ServoSettings& settings,
+                         const Joints& from, const Joints& theta) {
+  if (auto refusal = planner.refusal(theta)) return {{}, refusal};
+  const std::vector<Joints> straight = approach_stops(planner.transmission(), settings, theta);
+  const auto barred = refusal_through(planner, straight, from);
+  if (!barred) return {straight};
+  std::vector<Joints> round = planner.way_round(from, straight.front());
+  const std::vector<Joints> rest(straight.begin() + 1, straight.end());
+  if (round.empty() || refusal_through(planner, rest, straight.front())) return {{}, barred};
+  round.insert(round.end(), rest.begin(), rest.end());
+  return {round, {}, barred};
 }
 
 double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings) {
@@ -131,9 +146,11 @@ double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings) {
 std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
                                const ServoSettings& settings, const Joints& theta,
                                const PlanarRobot::Guard& guard) {
-  if (const auto refusal = approach_refusal(planner, settings, robot.commanded_joints(), theta))
-    return Obstacle{true, *refusal};
-  for (const Joints& stop : approach_stops(planner.transmission(), settings, theta))
+  const ApproachWay way = approach_way(planner, settings, robot.commanded_joints(), theta);
+  if (way.refusal) return Obstacle{true, *way.refusal};
+  if (way.barred)
+    spdlog::info(fmt::format("going round by {} stops: {}", way.stops.size() - 1, *way.barred));
+  for (const Joints& stop : way.stops)
     if (const auto objection = robot.move_to(stop, guard)) return Obstacle{false, *objection};
   return std::nullopt;
 }

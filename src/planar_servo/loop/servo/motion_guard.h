@@ -21,12 +21,27 @@ namespace planar {
 /// short of them by the settings' approach margin in every motor.
 std::vector<Joints> approach_stops(const Transmission& transmission, const ServoSettings& settings,
                                    const Joints& theta);
+/// The rests of a way to a place, or why there is none.
+struct ApproachWay {
+  std::vector<Joints> stops;            ///< the last is the place; valid without a refusal
+  std::optional<std::string> refusal{};
+  /// Why the straight way is barred, where the way goes round.
+  std::optional<std::string> barred{};
+};
 
-/// Returns why the arm must not arrive at `theta` from where it rests: what forbids the end, a stop
-/// before it, or the way there; empty when nothing does.
-std::optional<std::string> approach_refusal(const JointPlanner& planner,
-                                            const ServoSettings& settings, const Joints& from,
-                                            const Joints& theta);
+/// Returns the way by which an arm that rests at `from` arrives at `theta`: straight, or round
+/// what it must not touch. Refused are places that the planner forbids and those to which no way
+/// leads.
+ApproachWay approach_way(const JointPlanner& planner, const ServoSettings& settings,
+                         const Joints& from, const Joints& theta);
+
+/// Returns its refusal.
+inline std::optional<std::string> approach_refusal(const JointPlanner& planner,
+                                                   const ServoSettings& settings,
+                                                   const Joints& from, const Joints& theta) {
+  return approach_way(planner, settings, from, theta).refusal;
+}
+
 
 /// Returns by how much play may move the end point when motors arrive from either side, metres: the
 /// settings' approach margin, which exceeds the play, at full reach.

@@ -99,8 +99,11 @@ std::string JogArm::go_to(const TargetRow& target) {
   const TipPose pose{target.p_d, target.phi_d.value_or(cell_.tool_orientation)};
   const JointPlan plan = planner_.plan(pose, commanded());
   if (plan.refusal) throw InputError(*plan.refusal);
-  announce_(fmt::format("the arm moves to {}: about {:.0f} s", target.id,
-                        std::ceil(duration_s(plan.theta))));
+  const ApproachWay way = approach_way(planner_, cell_.servo, commanded(), plan.theta);
+  announce_(way.barred ? fmt::format("the arm goes round to {} by {} stops, since {}", target.id,
+                                     way.stops.size(), *way.barred)
+                       : fmt::format("the arm moves to {}: about {:.0f} s", target.id,
+                                     std::ceil(duration_s(plan.theta))));
   if (const auto obstacle = arrive(robot_, planner_, cell_.servo, plan.theta, guard())) {
     if (obstacle->refused) throw InputError(obstacle->reason);
     throw WorkError(obstacle->reason + "; the arm has stopped at " + where());

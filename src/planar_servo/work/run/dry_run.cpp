@@ -147,9 +147,16 @@ DryRun::DryRun(const CalibratedCell& cell, const Joints& start)
 DryRunRow DryRun::first_move(const TargetRow& target) {
   DryRunRow row{target.id, planner_.plan(target_pose(target, tool_orientation_), near_),
                 Pulses::Zero()};
-  if (!row.plan.refusal)
-    row.plan.refusal = approach_refusal(planner_, servo_, near_, row.plan.theta);
   if (row.plan.refusal) return row;
+  const ApproachWay way = approach_way(planner_, servo_, near_, row.plan.theta);
+  row.plan.refusal = way.refusal;
+  if (row.plan.refusal) return row;
+  Joints from = near_;
+  for (const Joints& stop : way.stops) {
+    const auto drawn = planner_.drawn_way(from, stop);
+    row.way_B.insert(row.way_B.end(), drawn.begin(), drawn.end());
+    from = stop;
+  }
   near_ = row.plan.theta;
   row.pulses = planner_.transmission().pulses_from_joints(near_);
   return row;

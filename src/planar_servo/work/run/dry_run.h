@@ -71,6 +71,7 @@ struct DryRunRow {
   std::string id;
   JointPlan plan;
   Pulses pulses{0, 0, 0};
+  std::vector<Eigen::Vector2d> way_B{};  ///< of the end point, to draw it
 };
 
 /// Plans the first move to one target after the other. It needs no device.

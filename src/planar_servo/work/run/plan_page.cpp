@@ -36,6 +36,13 @@ Panel panel_over(const std::string& title, const Points& places, const Workspace
   for (const Border& border : workspace.borders())
     if (border.radius_m > 0.0)
       panel.add_line(in_mm(circle(border.p_B, border.radius_m)), Panel::Stroke::kDashed, kBarred);
+  for (const Barrier& barrier : workspace.barriers) {
+    Points outline = barrier.corners_B.size() == 1
+                         ? circle(barrier.corners_B[0], barrier.radius_m)
+                         : barrier.corners_B;
+    outline.push_back(outline.front());
+    panel.add_line(in_mm(outline), Panel::Stroke::kSolid, kBarred);
+  }
   return panel;
 }
 
@@ -49,7 +56,7 @@ std::string panels_html(const Points& places, const Workspace& workspace, const 
   draw(whole);
   draw(near);
   explain(whole);
-  whole.add_key(kBarred, "borders of workspace and keep-out discs", Panel::Sample::kLine);
+  whole.add_key(kBarred, "borders of workspace, keep-out discs and obstacles", Panel::Sample::kLine);
   return plot_html({whole, near});
 }
 
@@ -84,20 +91,22 @@ std::string plan_page(const Workspace& workspace, const std::filesystem::path& f
                       const std::vector<TargetRow>& targets, const std::vector<DryRunRow>& rows,
                       const std::vector<std::string>& remarks) {
   HtmlPage page = page_about(file, remarks);
-  Points all, refused;
+  Points all, refused, way;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     all.push_back(targets[i].p_d);
     if (rows.at(i).plan.refusal) refused.push_back(targets[i].p_d);
+    way.insert(way.end(), rows[i].way_B.begin(), rows[i].way_B.end());
   }
   page.add_html(panels_html(
       all, workspace,
       [&](Panel& panel) {
-        panel.add_line(in_mm(all), Panel::Stroke::kDashed, "#bbb");
+        if (!way.empty()) panel.add_line(in_mm(way), Panel::Stroke::kSolid, "#bbb");
         panel.add_dots(in_mm(all), {kSeriesColors[0]}, 3.0);
         panel.add_dots(in_mm(refused), {kSeriesColors[3]}, 4.0);
       },
       [&](Panel& panel) {
-        panel.add_key(kSeriesColors[0], "targets, in their order");
+        panel.add_key(kSeriesColors[0], "targets");
+        panel.add_key("#bbb", "the end point's way to them, in their order", Panel::Sample::kLine);
         if (!refused.empty()) panel.add_key(kSeriesColors[3], "refused");
       }));
   TextTable table("Targets", {"target", "x mm", "y mm", "refused because"});

@@ -1,0 +1,223 @@
+#include "planar_servo/geometry/arm/clearance.h"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/arm/joint_planner.h"
+
+namespace planar {
+namespace {
+
+Barrier disc(const Eigen::Vector2d& center, double radius_m) {
+  Barrier barrier;
+  barrier.name = "post";
+  barrier.corners_B = {center};
+  barrier.radius_m = radius_m;
+  return barrier;
+}
+
+Barrier polygon(std::vector<Eigen::Vector2d> corners) {
+  Barrier barrier;
+  barrier.name = "box";
+  barrier.corners_B = std::move(corners);
+  return barrier;
+}
+
+constexpr double kWidth_m = 0.04, kTool_m = 0.03, kClearance_m = 5e-3;
+
+ArmGeometry wide_arm() {
+  ArmGeometry geometry;
+  geometry.body.link_widths_m = {kWidth_m, kWidth_m};
+  geometry.body.tool_radius_m = kTool_m;
+  geometry.body.clearance_m = kClearance_m;
+  return geometry;
+}
+
+TransmissionSettings drives() {
+  TransmissionSettings settings;
+  for (MotorDrive& drive : settings.drives) drive.max_speed_rad_s = 1.0;
+  settings.limits_rad = {Eigen::Vector2d(-kPi, kPi), Eigen::Vector2d(-3.0, 3.0),
+                         Eigen::Vector2d(-7.0, 7.0)};
+  return settings;
+}
+
+JointPlanner planner_among(std::vector<Barrier> barriers) {
+  Workspace workspace{0.0, 0.7, {}, std::move(barriers)};
+  return {PlanarArm(wide_arm()), Transmission(drives()), workspace, Elbow::kLeft};
+}
+
+/// Ten barriers that leave the base free.
+std::vector<Barrier> ten_barriers(std::mt19937& random) {
+  std::uniform_real_distribution<double> angle(-kPi, kPi), radius(0.25, 0.6), size(0.01, 0.04);
+  std::vector<Barrier> barriers;
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Vector2d at = radius(random) * rotation2d(angle(random)).col(0);
+    const double s = size(random);
+    if (i % 2 == 0)
+      barriers.push_back(disc(at, s));
+    else
+      barriers.push_back(polygon({at + Eigen::Vector2d(-s, -s), at + Eigen::Vector2d(s, -s),
+                                  at + Eigen::Vector2d(s, s), at + Eigen::Vector2d(0.0, 0.3 * s),
+                                  at + Eigen::Vector2d(-s, s)}));
+  }
+  return barriers;
+}
+
+/// Returns whether a point lies in a barrier, by angles instead of by crossings.
+bool lies_in(const Eigen::Vector2d& p, const Barrier& barrier) {
+  const auto& corners = barrier.corners_B;
+  if (corners.size() == 1) return (p - corners[0]).norm() < barrier.radius_m;
+  double turned = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d a = corners[i] - p, b = corners[(i + 1) % corners.size()] - p;
+    turned += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+  }
+  return std::abs(turned) > kPi;
+}
+
+/// Returns whether a body of the arm touches a barrier: the truth by points of its outline, every
+/// few millimetres, without the library's distances.
+bool truly_touches(const JointPlanner& planner, const std::vector<Barrier>& barriers,
+                   const Joints& theta) {
+  const Eigen::Vector2d elbow = planner.arm().elbow_place(theta);
+  const Eigen::Vector2d end = planner.arm().forward(theta).p;
+  const auto touches = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to, double r) {
+    const double length = (to - from).norm();
+    const int n = 1 + static_cast<int>(length / 6e-3);
+    for (int i = 0; i <= n; ++i) {
+      const Eigen::Vector2d at = from + (to - from) * i / n;
+      for (const Barrier& barrier : barriers) {
+        if (lies_in(at, barrier)) return true;
+        for (int k = 0; k < 8; ++k)
+          if (lies_in(at + r * rotation2d(k * kPi / 4.0).col(0), barrier)) return true;
+      }
+    }
+    return false;
+  };
+  return touches({0.0, 0.0}, elbow, 0.5 * kWidth_m) || touches(elbow, end, 0.5 * kWidth_m) ||
+         touches(end, end, kTool_m);
+}
+
+/// Returns whether the arm touches a barrier on the way, looked at every `step_s`.
+bool touches_on_way(const JointPlanner& planner, const std::vector<Barrier>& barriers,
+                    const Joints& from, const Joints& to, double step_s) {
+  const Transmission& transmission = planner.transmission();
+  const Eigen::Vector3d begin = transmission.motors_from_joints(from);
+  const Eigen::Vector3d end = transmission.motors_from_joints(to);
+  std::vector<MotorMove> moves;
+  double duration_s = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    moves.emplace_back(begin[i], end[i],
+                       transmission.settings().drives[static_cast<std::size_t>(i)]);
+    duration_s = std::max(duration_s, moves.back().duration_s());
+  }
+  for (double t = 0.0; t <= duration_s + step_s; t += step_s)
+    if (truly_touches(planner, barriers,
+                      transmission.joints_from_motors(
+                          {moves[0].angle_at(t), moves[1].angle_at(t), moves[2].angle_at(t)})))
+      return true;
+  return false;
+}
+
+Joints random_joints(const JointPlanner& planner, std::mt19937& random) {
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  return planner.transmission().joints_from_motors(
+      {kPi * share(random), 2.9 * share(random), 3.0 * share(random)});
+}
+
+}  // namespace
+
+TEST_CASE("Distances to discs and polygons are those of a drawing") {
+  const Barrier post = disc({0.3, 0.2}, 0.05);
+  CHECK(distance_m({0.0, 0.0}, {0.6, 0.0}, post) == Approx(0.15));
+  CHECK(distance_m({0.0, 0.2}, {0.6, 0.2}, post) == 0.0);
+  CHECK(distance_m({0.0, 0.2}, {0.2, 0.2}, post) == Approx(0.05));
+  const Barrier box = polygon({{0.2, 0.1}, {0.4, 0.1}, {0.4, 0.3}, {0.2, 0.3}});
+  CHECK(distance_m({0.0, 0.0}, {0.6, 0.0}, box) == Approx(0.1));
+  CHECK(distance_m({0.0, 0.2}, {0.6, 0.2}, box) == 0.0);
+  CHECK(distance_m({0.25, 0.2}, {0.3, 0.2}, box) == 0.0);
+  CHECK(distance_m({0.0, 0.0}, {0.0, 0.0}, box) == Approx(std::hypot(0.2, 0.1)));
+}
+
+TEST_CASE("A polygon is simple when its edge does not cross itself and it has an area") {
+  CHECK(is_simple_polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
+  CHECK_FALSE(is_simple_polygon({{0, 0}, {1, 1}, {1, 0}, {0, 1}}));
+  CHECK_FALSE(is_simple_polygon({{0, 0}, {1, 1}}));
+  CHECK_FALSE(is_simple_polygon({{0, 0}, {1, 1}, {2, 2}}));
+}
+
+TEST_CASE("Parts touch only what reaches their heights") {
+  ArmGeometry geometry = wide_arm();
+  geometry.body.link_heights = {Heights{0.05, 0.09}, Heights{0.0, 0.04}};
+  geometry.body.tool_heights = {-0.05, 0.04};
+  Barrier low = disc({0.15, 0.0}, 0.01);
+  low.heights = {-0.1, 0.03};
+  const Eigen::Vector2d elbow(0.3, 0.0), end(0.3, 0.3);
+  CHECK(smallest_gap(geometry.body, {low}, elbow, end).part == std::string("link 2"));
+  CHECK(smallest_gap(geometry.body, {low}, elbow, end).gap_m ==
+        Approx(0.15 - 0.01 - 0.02 - kClearance_m));
+  low.heights = {-0.1, 0.06};
+  CHECK(smallest_gap(geometry.body, {low}, elbow, end).gap_m < 0.0);
+  CHECK(std::isinf(smallest_gap(geometry.body, {}, elbow, end).gap_m));
+}
+
+TEST_CASE("On allowed random moves among ten barriers no part touches one") {
+  std::mt19937 random(1);
+  int allowed = 0;
+  for (int scene = 0; scene < 6; ++scene) {
+    const auto barriers = ten_barriers(random);
+    const JointPlanner planner = planner_among(barriers);
+    Joints at = random_joints(planner, random);
+    for (int i = 0; i < 200; ++i) {
+      const Joints to = random_joints(planner, random);
+      if (planner.refusal(at) || planner.refusal(to) || planner.way_refusal(at, to)) {
+        at = to;
+        continue;
+      }
+      ++allowed;
+      if (allowed % 8 == 0) CHECK_FALSE(touches_on_way(planner, barriers, at, to, 0.02));
+      at = to;
+    }
+  }
+  CHECK(allowed > 40);
+}
+
+TEST_CASE("A way round is found where the straight way is barred, and touches nothing") {
+  std::mt19937 random(2);
+  int straight = 0, round = 0, none = 0;
+  for (int scene = 0; scene < 6; ++scene) {
+    const auto barriers = ten_barriers(random);
+    const JointPlanner planner = planner_among(barriers);
+    for (int i = 0; i < 30; ++i) {
+      const Joints from = random_joints(planner, random), to = random_joints(planner, random);
+      if (planner.refusal(from) || planner.refusal(to)) continue;
+      const auto way = planner.way_round(from, to);
+      ++(way.empty() ? none : way.size() == 1 ? straight : round);
+      Joints at = from;
+      for (const Joints& stop : way) {
+        CHECK_FALSE(planner.way_refusal(at, stop));
+        if (way.size() > 1 && round % 8 == 0)
+          CHECK_FALSE(touches_on_way(planner, barriers, at, stop, 0.02));
+        at = stop;
+      }
+      if (!way.empty()) CHECK((way.back() - to).norm() == 0.0);
+    }
+  }
+  CHECK(straight > 10);
+  CHECK(round > 10);
+  CHECK(none > 0);
+}
+
+TEST_CASE("An arm in a closed pen finds no way out, and is told which part would touch what") {
+  std::vector<Barrier> pen;
+  for (int i = 0; i < 24; ++i) pen.push_back(disc(0.5 * rotation2d(i * kPi / 12.0).col(0), 0.06));
+  const JointPlanner planner = planner_among(pen);
+  const Joints from(0.5, 2.5, 0.0), to(0.5, 0.6, 0.0);
+  REQUIRE_FALSE(planner.refusal(from));
+  CHECK(planner.way_round(from, to).empty());
+  CHECK_THAT(*planner.refusal(to), Catch::Matchers::Contains("link 2") &&
+                                       Catch::Matchers::Contains("post"));
+}
+
+}  // namespace planar
