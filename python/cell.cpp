@@ -15,6 +15,8 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibrated_cell.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/ready_cell.h"
@@ -129,18 +131,26 @@ class Cell {
   }
 
   /// Moves to the targets of a table as planar-servo does, with its files.
-  py::dict run(const fs::path& targets, const fs::path& out, bool resume, const OnStep& on_step) {
+  py::dict run(const fs::path& targets, const fs::path& out, bool resume, const OnStep& on_step,
+               const std::optional<fs::path>& on_work, const std::string& tool) {
     const ServoFigures figures = work([&] {
       ready_.reset();  // the run makes its own
       ServoRequest request = request_;
       request.folder.path = out;
       request.folder.resume = resume;
       request.policy.learns = request.cell->settings.servo.learns;
+      const CellSettings& cell = request.cell->settings;
+      std::vector<TargetRow> rows = read_targets(targets);
+      if (on_work) {
+        request.works = read_works(*on_work, *request.cell, request.accepted.stale);
+        rows = on_works(rows, request.works->works);
+      }
+      rows = with_tools(rows, cell, tool, request.accepted.stale);
       const auto show = observer_of(on_step);
       ServoRun run(request, *devices_, [&](const ServoSight& sight) {
         if (show) show(sight.step);
       });
-      run_servo(run, read_targets(targets));
+      run_servo(run, rows);
       run.finish();
       ServoFigures found = figures_of(run.results());
       write_run(request, run, found, targets);
@@ -253,8 +263,10 @@ class Cell {
 };
 
 std::unique_ptr<Cell> open(const fs::path& path, bool use_error_map, bool accept_stale,
-                           bool accept_map, bool check_health, bool home, bool at_marks) {
+                           bool accept_map, bool check_health, bool home, bool at_marks,
+                           bool nearest_turn) {
   const MayHome may_home = [=](Homing way, const std::string&) {
+    if (way == Homing::kTurn) return nearest_turn;
     return way == Homing::kSearch ? home : at_marks;
   };
   return std::make_unique<Cell>(path, use_error_map, accept_stale, accept_map, check_health,
@@ -269,13 +281,14 @@ void bind_cell(py::module_& m) {
       m, "Cell",
       "A calibrated cell, virtual or real, opened for motion. Ctrl-C brings the arm to\n"
       "rest and raises KeyboardInterrupt. One thread at a time may work with it.")
-      .def(
-          py::init(&open), py::arg("path"), py::kw_only(), py::arg("use_error_map") = true,
-          py::arg("accept_stale") = false, py::arg("accept_map") = false,
-          py::arg("check_health") = true, py::arg("home") = false, py::arg("at_marks") = false,
-          "Reads the cell file and all that it names, and opens the devices; nothing moves. The\n"
-          "options are those of planar-servo. home lets drives search their home switch, at_marks\n"
-          "says that motors without one stand at their marks.")
+      .def(py::init(&open), py::arg("path"), py::kw_only(), py::arg("use_error_map") = true,
+           py::arg("accept_stale") = false, py::arg("accept_map") = false,
+           py::arg("check_health") = true, py::arg("home") = false, py::arg("at_marks") = false,
+           py::arg("nearest_turn") = false,
+           "Reads the cell file and all that it names, and opens the devices; nothing moves. The\n"
+           "options are those of planar-servo. home lets drives search their home switch, or be\n"
+           "found by sight, at_marks says that motors without one stand at their marks,\n"
+           "nearest_turn that motors found by sight are on the turn nearest to home.")
       .def(
           "move_to", &Cell::move_to, py::arg("p"), py::arg("phi") = py::none(), py::kw_only(),
           py::arg("on_step") = py::none(),
@@ -285,9 +298,12 @@ void bind_cell(py::module_& m) {
           "is not reached has its status; WorkError means that a device failed or the cell is not\n"
           "well.")
       .def("run", &Cell::run, py::arg("targets"), py::arg("out"), py::kw_only(),
-           py::arg("resume") = false, py::arg("on_step") = py::none(),
+           py::arg("resume") = false, py::arg("on_step") = py::none(), py::arg("work") = py::none(),
+           py::arg("tool") = "",
            "Moves to the targets of a table and writes steps.csv, results.csv, run.yaml and\n"
-           "report.html to out, as planar-servo does. Returns its figures.")
+           "report.html to out, as planar-servo does. With work, the file of planar-find-work,\n"
+           "targets are those of its drawing; tool is the cell's tool that goes to targets which\n"
+           "name none. Returns its figures.")
       .def("picture", &Cell::picture, "Returns the whole sensor's next picture, uint8.")
       .def_property_readonly("joints", &Cell::joints,
                              "(3,): the commanded joints, radians. Switches the drives on.")

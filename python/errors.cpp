@@ -22,6 +22,7 @@ std::string in_python(std::string text) {
       {"--accept-map", "accept_map=True"},
       {"--at-marks", "at_marks=True"},
       {"--home", "home=True"},
+      {"--nearest-turn", "nearest_turn=True"},
       {"--resume", "resume=True"}};
   for (const auto& [option, argument] : kArguments)
     for (std::size_t at = 0; (at = text.find(option, at)) != std::string::npos;)

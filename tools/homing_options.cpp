@@ -18,10 +18,14 @@ bool says_yes(const std::string& question) {
 }  // namespace
 
 std::array<CLI::Option*, 2> add_homing_options(CLI::App& app, HomingOptions& options) {
+  app.add_flag("--nearest-turn", options.nearest_turn,
+               "motors that the camera finds are on the turn nearest to home_deg, of those within "
+               "their limits; without it the program asks, on a terminal");
   return {app.add_flag(
               "--home", options.home,
-              "let drives that do not know their position search their home switches, which moves "
-              "the arm; without it the program asks, on a terminal"),
+              "let drives that do not know their position search their home switches, or turn a "
+              "little while the camera finds them; the arm moves; without it the program asks, on "
+              "a terminal"),
           app.add_flag(
               "--at-marks", options.at_marks,
               "drives without a home switch stand at their marks now; without it the program asks, "
@@ -31,10 +35,11 @@ std::array<CLI::Option*, 2> add_homing_options(CLI::App& app, HomingOptions& opt
 MayHome may_home(const HomingOptions& options, bool asks) {
   // Copies of the answers share it.
   const auto at_marks = std::make_shared<bool>(options.at_marks);
-  return [home = options.home, at_marks, asks](Homing way, const std::string& unhomed) {
+  return [home = options.home, turn = options.nearest_turn, at_marks, asks](
+             Homing way, const std::string& unhomed) {
     if (way == Homing::kSearch)
-      return home ||
-             (asks && says_yes(unhomed + ". Search their home switches now? The arm will move."));
+      return home || (asks && says_yes(unhomed + ". Home them now? The arm will move."));
+    if (way == Homing::kTurn) return turn || (asks && says_yes(unhomed + ". Is that so?"));
     return std::exchange(*at_marks, false) ||
            (asks && says_yes(unhomed + ". Do they stand at their marks now?"));
   };

@@ -3,11 +3,16 @@
 
 #include "homing_options.h"
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/certificate/certificate_report.h"
+#include "planar_servo/certificate/scale_bar.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/workpiece/work_watch.h"
 #include "program.h"
+#include "saved_frames.h"
 
 namespace planar {
 namespace {
@@ -15,7 +20,10 @@ namespace {
 const ProgramText kText{
     "planar-certify",
     "planar-certify --cell cell.yaml --out DIR [--cycles N] [--targets N] [--home] [--at-marks]\n"
-    "                      [--accept-stale] [--accept-map]",
+    "                      [--accept-stale] [--accept-map]\n"
+    "       planar-certify --cell cell.yaml --out DIR --by scale-bar --bar bar.csv [--bar-sigma-mm "
+    "S]\n"
+    "                      [--image FILE ...]",
     R"(moves               610 of 610 moves reached and judged by the truth
 pose accuracy       0.0250 mm AP at P4, the worst of 5
 repeatability       0.0062 mm RP at P4, over 30 cycles
@@ -25,10 +33,16 @@ whole workspace     0.0136 mm mean, 0.0153 rms, 0.0253 at 95 %, 0.0355 max at 10
 budget              0.0095 mm rms expected, 0.0153 found; field: error map weighs most
 certificate: DIR/certificate.html)"};
 
+constexpr char kMoves[] = "moves", kScaleBar[] = "scale-bar";
+
 struct Options {
   std::filesystem::path cell;
   CertificateRequest request;
   HomingOptions homing;
+  std::string by{kMoves};
+  std::filesystem::path bar;
+  std::vector<std::filesystem::path> images;
+  double bar_sigma_mm{0.005};
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -47,6 +61,22 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("N")
       ->capture_default_str();
   add_homing_options(app, options.homing);
+  add_choice(
+      app, "--by", options.by, {kMoves, kScaleBar},
+      "moves: of the arm, judged by truth or tracker; scale-bar: lengths that vision measures "
+      "of a bar laid in seven places or more, with nothing moved");
+  auto* bar = add_value(app, "--bar", options.bar, "bar.csv",
+                        "the bar's two marks, as planar-find-work reads those of a work, at their "
+                        "certified distance");
+  app.add_option("--bar-sigma-mm", options.bar_sigma_mm,
+                 "standard deviation of that distance, its growth by warmth included")
+      ->needs(bar)
+      ->check(CLI::PositiveNumber)
+      ->type_name("S")
+      ->capture_default_str();
+  add_value(app, "--image", options.images, "FILE",
+            "whole pictures of the bar that were taken before; else it is asked for at a terminal")
+      ->needs(bar);
   app.add_flag("--accept-stale", options.request.servo.accepted.stale,
                "move even with files that were not made from one another; the page says which");
   app.add_flag("--accept-map", options.request.servo.accepted.map, kAcceptMap);
@@ -63,7 +93,60 @@ CertificateRequest request_of(const Options& options) {
   return request;
 }
 
+/// Takes pictures of the bar, place by place, until the person says that it was the last. Without a
+/// person there is one picture.
+ScaleBarResult bar_by_camera(const CalibratedCell& cell, const ScaleBar& bar) {
+  constexpr int kFrames = 3;
+  heed_interrupts();
+  const auto devices = open_cell(cell.settings);
+  Terminal terminal;
+  ScaleBarResult result{bar, {}};
+  do {
+    try {
+      add_lengths(result, whole_frames(devices->camera(), kFrames, std::nullopt), *cell.vision);
+      if (terminal.is_attended()) terminal.say(length_words(result.lengths.back()));
+    } catch (const WorkError& e) {
+      if (!terminal.is_attended()) throw;
+      terminal.warn(e.what());
+    }
+  } while (
+      terminal.is_attended() && !interrupted() &&
+      terminal.ask(fmt::format("{} lengths; lay the bar elsewhere, then Enter, or end with q: ",
+                               result.lengths.size())) != "q");
+  return result;
+}
+
+ScaleBarResult bar_in_pictures(const CalibratedCell& cell, const ScaleBar& bar,
+                               const std::vector<std::filesystem::path>& images) {
+  ScaleBarResult result{bar, {}};
+  for (const std::filesystem::path& image : images)
+    add_lengths(result, saved_frames({image}, cell.settings), *cell.vision);
+  return result;
+}
+
+Outcome certify_by_bar(const Options& options) {
+  const CellSettings settings = read_cell(options.cell);
+  const CalibratedCell cell = read_calibrated_cell(settings);
+  require_calibrated(cell);
+  accept_stale(cell.stale, options.request.servo.accepted.stale);
+  const ScaleBar bar = read_scale_bar(options.bar, options.bar_sigma_mm * kMillimetre);
+  const std::filesystem::path page = options.request.servo.folder.path / "scale_bar.html";
+  make_folder(options.request.servo.folder.path);
+  require_writable(page, "page");
+  const ScaleBarResult result = options.images.empty() ? bar_by_camera(cell, bar)
+                                                       : bar_in_pictures(cell, bar, options.images);
+  const ReportList list = scale_bar_list(result);
+  write_file(page, scale_bar_page(result, options.cell));
+  say("{}certificate: {}\n", list.text(), page.string());
+  return {list.json(), result.counts()};
+}
+
 Outcome certify(const Options& options) {
+  if (options.by == kScaleBar) {
+    if (options.bar.empty())
+      throw InputError(Refusal{"--by scale-bar needs --bar", "name the table of its two marks"});
+    return certify_by_bar(options);
+  }
   const CertificateRequest request = request_of(options);
   heed_interrupts();
   ProgressBar bar("moves");

@@ -9,10 +9,10 @@
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/work/workpiece/work_page.h"
 #include "planar_servo/work/workpiece/work_watch.h"
 #include "program.h"
+#include "saved_frames.h"
 
 namespace planar {
 namespace {
@@ -101,23 +101,6 @@ std::optional<CameraExposure> exposure_of(const Options& options) {
   return CameraExposure{options.exposure_ms * kMillisecond, 0.0};
 }
 
-/// Reads saved pictures as frames of the camera. Throws InputError for one of another size.
-std::vector<Frame> saved_frames(const std::vector<fs::path>& images, const CellSettings& cell) {
-  const PictureSet pictures(images);
-  const cv::Size sensor_px(cell.camera.width_px, cell.camera.height_px);
-  std::vector<Frame> frames;
-  for (const fs::path& image : images) {
-    Frame frame{pictures.read(image), {{}, sensor_px}, 0.0, frames.size()};
-    if (frame.image.empty()) throw InputError({"is no picture that can be read", "", image});
-    if (frame.image.size() != sensor_px)
-      throw InputError({fmt::format("is {} x {} px, the cell's sensor {} x {}", frame.image.cols,
-                                    frame.image.rows, sensor_px.width, sensor_px.height),
-                        "give whole pictures of the cell's camera", image});
-    frames.push_back(std::move(frame));
-  }
-  return frames;
-}
-
 std::vector<Frame> new_frames(const Options& options, const CellSettings& cell) {
   heed_interrupts();
   const auto devices = open_cell(cell);
@@ -133,10 +116,10 @@ Outcome find(const Options& options) {
   const CalibratedCell cell = read_calibrated_cell(settings, !options.no_error_map);
   require_calibrated(cell);
   accept_stale(cell.stale, options.accept_stale);
-  const std::vector<Frame> frames = options.images.empty()
-                                        ? new_frames(options, settings)
-                                        : saved_frames(options.images, settings);
-  const std::vector<FoundWork> works = find_work(frames, *cell.vision, drawing, settings_of(options));
+  const std::vector<Frame> frames = options.images.empty() ? new_frames(options, settings)
+                                                           : saved_frames(options.images, settings);
+  const std::vector<FoundWork> works =
+      find_work(frames, *cell.vision, drawing, settings_of(options));
   for (const FoundWork& work : works)
     for (const std::string& remark : work.remarks)
       spdlog::warn((work.id.empty() ? "" : "work " + work.id + ": ") + remark);

@@ -11,6 +11,7 @@
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/drawings/drawing.h"
+#include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/judge/cell_judge.h"
@@ -53,7 +54,7 @@ struct Options {
   fs::path cell, targets, path, work;
   ServoRequest request;
   DrawingSettings drawing;
-  std::string drawing_unit;
+  std::string drawing_unit, tool;
   fs::path report;                  ///< of a check or dry run; empty for none
   std::vector<double> speeds_mm_s;  ///< empty: the drawing's, or else the usual one
   std::string display{"none"};
@@ -79,9 +80,14 @@ void add_goals(CLI::App& app, Options& options) {
       "--require-end", options.require_end,
       "with --targets -: call the run failed unless the line 'end' ends the targets, as it "
       "does not when their writer was killed");
-  add_value(app, "--work", options.work, "work.yaml",
-            "the workpiece that planar-find-work found: targets and paths are in the coordinates of "
-            "its drawing; it is looked at again every minute and at the end");
+  add_value(
+      app, "--work", options.work, "work.yaml",
+      "the workpiece that planar-find-work found: targets and paths are in the coordinates of "
+      "its drawing; it is looked at again every minute and at the end");
+  add_value(app, "--tool", options.tool, "NAME",
+            "the cell's tool whose tip goes to targets that name none in a column tool; by default "
+            "the end point on joint 3's axis does")
+      ->excludes(path);
   app.add_option("--speed-mm-s", options.speeds_mm_s,
                  "speeds along the path, 1 to 50; it is followed once at each; by default the "
                  "drawing's feed, or 10")
@@ -230,9 +236,11 @@ TargetsIn drawn_targets(const Options& options) {
   return {targets_of(drawing, options.targets.string()), drawing.remarks};
 }
 
-TargetsIn targets_in(const Options& options) {
+TargetsIn targets_in(const Options& options, const CalibratedCell& cell) {
   TargetsIn targets = drawn_targets(options);
   if (options.request.works) targets.rows = on_works(targets.rows, options.request.works->works);
+  targets.rows =
+      with_tools(targets.rows, cell.settings, options.tool, options.request.accepted.stale);
   return targets;
 }
 
@@ -245,16 +253,6 @@ const FoundWork& single_work(const Options& options) {
                                   laid.works.size()),
                       "find each by itself with planar-find-work --near", laid.file});
   return laid.works.front();
-}
-
-/// Reads the works on which targets lie. Throws InputError where they were found with another
-/// calibration, unless that is accepted.
-std::shared_ptr<const LaidWorks> works_of(const Options& options, const CalibratedCell& cell) {
-  if (options.work.empty()) return nullptr;
-  auto works = std::make_shared<const LaidWorks>(read_works(options.work));
-  accept_stale(stale_work(options.work, cell.settings, uses_error_map(cell)),
-               options.request.accepted.stale);
-  return works;
 }
 
 /// Plans the first move to each target, and draws it where a page is wanted. A check refuses
@@ -291,16 +289,17 @@ bool is_good(const StreamEnd& end, bool requires_end) {
   return end.bad_lines == 0 && !is_missing;
 }
 
-TargetRow in_base(const TargetRow& drawn, const Options& options) {
-  if (!options.request.works) return drawn;
-  return on_works({drawn}, {single_work(options)}).front();
+TargetRow in_base(const TargetRow& drawn, const Options& options, const CellSettings& cell) {
+  std::vector<TargetRow> rows{drawn};
+  if (options.request.works) rows = on_works(rows, {single_work(options)});
+  return with_tools(rows, cell, options.tool, options.request.accepted.stale).front();
 }
 
 Outcome plan_stream(const Options& options, const CalibratedCell& cell) {
   TargetLines lines(kStdin);
-  const FirstMoveStream planned =
-      answer_first_moves(std::cin, std::cout, lines, cell, start_of_run(options, cell),
-                         [&](const TargetRow& drawn) { return in_base(drawn, options); });
+  const FirstMoveStream planned = answer_first_moves(
+      std::cin, std::cout, lines, cell, start_of_run(options, cell),
+      [&](const TargetRow& drawn) { return in_base(drawn, options, cell.settings); });
   say(stderr, "{} of {} targets can be reached; {} bad lines\n", planned.targets - planned.refused,
       planned.targets, planned.end.bad_lines);
   return {{{"targets", planned.targets},
@@ -311,7 +310,8 @@ Outcome plan_stream(const Options& options, const CalibratedCell& cell) {
 
 /// Moves to the targets of a table, or to those that arrive on standard input. Returns whether the
 /// input was good.
-bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& targets) {
+bool move(ServoRun& run, const Options& options, const CellSettings& cell,
+          const std::vector<TargetRow>& targets) {
   if (!from_stdin(options)) {
     ProgressBar bar("targets");
     run_servo(run, targets, [&](std::size_t done, std::size_t all) { bar.show(done, all); });
@@ -321,7 +321,7 @@ bool move(ServoRun& run, const Options& options, const std::vector<TargetRow>& t
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
   const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-    return result_answer(run.move_to(in_base(target, options)));
+    return result_answer(run.move_to(in_base(target, options, cell)));
   });
   run.finish();
   return is_good(end, options.require_end);
@@ -376,7 +376,7 @@ std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices
 }
 
 Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
-  const TargetsIn read = targets_in(options);
+  const TargetsIn read = targets_in(options, *cell);
   const std::vector<TargetRow>& targets = read.rows;
   if (!from_stdin(options)) question_targets(targets, cell->settings.workspace, options.targets);
   if (options.check) check_files(options, *cell);
@@ -393,7 +393,7 @@ Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCe
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
                        options.request.folder.path / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
-  const bool good_input = move(run, options, targets);
+  const bool good_input = move(run, options, cell->settings, targets);
   display.close();
   return report(request, options, run, devices->camera().counts(), good_input);
 }
@@ -420,8 +420,8 @@ std::vector<double> speeds_of(const Options& options, const std::optional<Drawin
 /// Returns the path of a table or drawing in the base frame.
 Path path_in_base(const Options& options, const std::optional<Drawing>& drawing, double phi) {
   const double turn = options.request.works ? single_work(options).pose.turn() : 0.0;
-  const Path drawn = drawing ? path_of(*drawing, phi - turn, options.path)
-                             : read_path(options.path, phi - turn);
+  const Path drawn =
+      drawing ? path_of(*drawing, phi - turn, options.path) : read_path(options.path, phi - turn);
   return options.request.works ? on_work(drawn, single_work(options).pose) : drawn;
 }
 
@@ -429,9 +429,8 @@ Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& ce
   const double phi = cell->settings.tool_orientation;
   std::optional<Drawing> drawing;
   if (is_drawing(options.path)) drawing = drawing_in(options.path, options);
-  const PathRequest path{
-      options.path, path_in_base(options, drawing, phi),
-      guidances_of(options), speeds_of(options, drawing)};
+  const PathRequest path{options.path, path_in_base(options, drawing, phi), guidances_of(options),
+                         speeds_of(options, drawing)};
   if (!options.report.empty())
     write_file(options.report, plan_page(cell->settings.workspace, options.path, path.path,
                                          drawing ? drawing->remarks : std::vector<std::string>()));
@@ -462,7 +461,8 @@ Outcome work(const Options& given) {
     throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
   const auto cell = std::make_shared<CalibratedCell>(
       read_calibrated_cell(read_cell(options.cell), !options.no_error_map));
-  options.request.works = works_of(options, *cell);
+  if (!options.work.empty())
+    options.request.works = read_works(options.work, *cell, options.request.accepted.stale);
   return options.path.empty() ? reach_targets(options, cell) : follow(options, cell);
 }
 

@@ -43,10 +43,11 @@ const CommandText kPut{
     "planar-virtual-cell put --cell cell.yaml --drawing work.csv --at X,Y,TURN [--higher-mm H]\n"
     "                               [--slide AT_S,DX,DY,TURN]",
     "put a work with 4 marks into cells/7/truth.yaml, its origin at (200.000, 240.000) mm"};
-const ProgramText kText{"planar-virtual-cell",
-                        kDraw.synopsis + "\n       " + kServe.synopsis + "\n       " + kPut.synopsis,
-                        kDraw.sample,
-                        {kDraw, kServe, kPut}};
+const ProgramText kText{
+    "planar-virtual-cell",
+    kDraw.synopsis + "\n       " + kServe.synopsis + "\n       " + kPut.synopsis,
+    kDraw.sample,
+    {kDraw, kServe, kPut}};
 
 constexpr double kInputPeriod_s = 0.1;
 constexpr char kTcp[] = "tcp", kFile[] = "file";

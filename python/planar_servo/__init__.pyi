@@ -432,6 +432,7 @@ class Cell:
         check_health: bool = True,
         home: bool = False,
         at_marks: bool = False,
+        nearest_turn: bool = False,
     ) -> None: ...
     def move_to(
         self,
@@ -447,6 +448,8 @@ class Cell:
         *,
         resume: bool = False,
         on_step: Callable[[Step], object] | None = None,
+        work: _Path | None = None,
+        tool: str = "",
     ) -> dict[str, float]: ...
     def picture(self) -> _Picture: ...
     @property

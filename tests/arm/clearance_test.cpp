@@ -216,8 +216,8 @@ TEST_CASE("An arm in a closed pen finds no way out, and is told which part would
   const Joints from(0.5, 2.5, 0.0), to(0.5, 0.6, 0.0);
   REQUIRE_FALSE(planner.refusal(from));
   CHECK(planner.way_round(from, to).empty());
-  CHECK_THAT(*planner.refusal(to), Catch::Matchers::Contains("link 2") &&
-                                       Catch::Matchers::Contains("post"));
+  CHECK_THAT(*planner.refusal(to),
+             Catch::Matchers::Contains("link 2") && Catch::Matchers::Contains("post"));
 }
 
 }  // namespace planar

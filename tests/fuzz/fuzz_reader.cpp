@@ -23,6 +23,8 @@
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/hardware/drives/grbl_protocol.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/grey_image.h"
@@ -92,6 +94,9 @@ const std::map<std::string, Reader>& readers() {
       {"arm", {"arm.yaml", [](const fs::path& path) { read_found_arm(path); }}},
       {"arm_learned", {"arm_learned.yaml", [](const fs::path& path) { read_learned_arm(path); }}},
       {"arm_samples", {"samples.csv", [](const fs::path& path) { read_arm_samples(path); }}},
+      {"tool_tip", {"needle.yaml", [](const fs::path& path) { read_tool_tip(path); }}},
+      {"work", {"work.yaml", [](const fs::path& path) { read_works(path); }}},
+      {"work_drawing", {"work.csv", [](const fs::path& path) { read_work_drawing(path); }}},
       {"map", {"map.yaml", [](const fs::path& path) { read_map(path); }}},
       {"frames", {"frames.csv", [](const fs::path& path) { read_frames(path.parent_path()); }}},
       {"lamps", {"lamps.csv", [](const fs::path& path) { read_lamps(path); }}},

@@ -197,8 +197,8 @@ expect 2 "there is no folder 'absent'" "$bin/planar-pair-tracker" --cell cell/ce
 expect 2 "^planar-record: --cell, --plan, --out are required; --help" "$bin/planar-record"
 expect 2 "^planar-check-error-map: map, pairs are required;" "$bin/planar-check-error-map"
 expect 2 "^planar-virtual-cell: --seed, --out are required;" "$bin/planar-virtual-cell" draw
-expect 2 "^planar-virtual-cell: needs a subcommand: draw or serve; --help" "$bin/planar-virtual-cell"
-expect 2 "needs a subcommand: draw or serve; not understood: drwa --seed 1 \(did you mean draw\?\);" \
+expect 2 "^planar-virtual-cell: needs a subcommand: draw or put or serve; --help" "$bin/planar-virtual-cell"
+expect 2 "needs a subcommand: draw or put or serve; not understood: drwa --seed 1 \(did you mean draw\?\);" \
   "$bin/planar-virtual-cell" drwa --seed 1
 expect 2 "not understood: --lik=paper \(did you mean --like\?\);" \
   "$bin/planar-virtual-cell" draw --seed 1 --out made --lik=paper

@@ -14,8 +14,8 @@ using Catch::Matchers::Contains;
 std::vector<Fiducial> drawing(const std::vector<Eigen::Vector2d>& places_mm) {
   std::vector<Fiducial> marks;
   for (const Eigen::Vector2d& p : places_mm)
-    marks.push_back({"F" + std::to_string(marks.size() + 1), p * kMillimetre,
-                     FiducialKind::kDarkDisc, 4e-3});
+    marks.push_back(
+        {"F" + std::to_string(marks.size() + 1), p * kMillimetre, FiducialKind::kDarkDisc, 4e-3});
   return marks;
 }
 

@@ -80,8 +80,7 @@ TEST_CASE("Every kind of mark is found and measured at any turn, and is no other
       }
       if (mark.kind == FiducialKind::kAprilTag) CHECK(measured->tag == 7);
       for (const Case& other : kCases)
-        if (is_round(other.kind) && other.kind != mark.kind)
-        {
+        if (is_round(other.kind) && other.kind != mark.kind) {
           CAPTURE(name_in(kFiducialKinds, other.kind));
           CHECK(find_fiducials(scene.image, other.kind, size_px).empty());
         }

@@ -84,6 +84,8 @@ std::string to_do(const CellSettings& cell, const std::array<DriveStatus, 3>& dr
   for (std::size_t i = 0; i < drives.size(); ++i) {
     if (drives[i].position_certain) continue;
     const MotorDrive& motor = cell.transmission.drives[i];
+    if (motor.home == HomeReference::kSight)
+      return "run or check the cell, which finds by sight where the arm stands, and moves it";
     ways.push_back(motor.home == HomeReference::kTaught
                        ? fmt::format("turn joint {0} to its mark at {1:.3f} deg by hand, then mark "
                                      "{0}",
@@ -172,8 +174,9 @@ ordered_json KnownCell::place_json(const Eigen::Vector2d& p, std::optional<doubl
                                    const Joints& from) const {
   const TipPose pose{p, phi.value_or(settings().tool_orientation)};
   const JointPlan plan = cell_.planner.plan(pose, from);
-  const ApproachWay way = plan.refusal ? ApproachWay{{}, plan.refusal}
-                                       : approach_way(cell_.planner, settings().servo, from, plan.theta);
+  const ApproachWay way = plan.refusal
+                              ? ApproachWay{{}, plan.refusal}
+                              : approach_way(cell_.planner, settings().servo, from, plan.theta);
   const std::optional<std::string>& why = way.refusal;
   ordered_json answer{{"reachable", !why},
                       {"why", why ? ordered_json(*why) : ordered_json(nullptr)},

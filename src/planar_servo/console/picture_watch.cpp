@@ -76,6 +76,7 @@ class WatchedDrives final : public DriveGroup {
     drives_.set_targets(targets_pulses);
   }
   void halt() override { drives_.halt(); }
+  void forget_positions() override { drives_.forget_positions(); }
   std::array<DriveStatus, 3> status() override {
     auto status = drives_.status();
     watch_.drives(status);

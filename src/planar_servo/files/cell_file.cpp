@@ -165,9 +165,10 @@ void read_barrier(Fields& fields, Barrier& barrier) {
   fields.rows("polygon_mm", barrier.corners_B, [](RowFields& row, Eigen::Vector2d& corner) {
     for (double& coordinate : corner) row.number(coordinate, kMillimetre);
   });
-  fields.check(is_simple_polygon(barrier.corners_B),
-               {"needs three corners or more, in the order of its edge, which must not cross itself"},
-               "polygon_mm");
+  fields.check(
+      is_simple_polygon(barrier.corners_B),
+      {"needs three corners or more, in the order of its edge, which must not cross itself"},
+      "polygon_mm");
 }
 
 void read_workspace(Fields& fields, Workspace& workspace) {
@@ -277,10 +278,25 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
     read_joints(fields, cell.transmission);
   });
   read_drives(fields, cell, kinds);
+  const auto& motors = cell.transmission.drives;
+  const auto by_sight = std::count_if(motors.begin(), motors.end(), [](const MotorDrive& motor) {
+    return motor.home == HomeReference::kSight;
+  });
+  fields.check(by_sight == 0 || by_sight == 3,
+               {"drives are homed by sight all three or none, because the camera sees the arm as a "
+                "whole"},
+               "drives");
   fields.number("tool_orientation_deg", cell.tool_orientation, kDegree);
   fields.map("servo", [&] { list_servo(fields, cell.servo); });
   fields.map("workspace", [&] { read_workspace(fields, cell.workspace); });
   require_body(fields, cell.arm, cell.workspace);
+  if (fields.given("tools", false)) {
+    const std::vector<std::string> names = fields.names_in("tools");
+    fields.map("tools", [&] {
+      for (const std::string& name : names)
+        read_file_name(fields, name.c_str(), cell, cell.tools[name]);
+    });
+  }
   fields.map("lamps", [&] { read_lamps(fields, cell.lamps); });
   if (fields.given("reference_lamps", true)) read_reference_lamps(fields, cell.reference_lamps);
   fields.map("tracker", [&] { read_tracker(fields, cell, kinds); });

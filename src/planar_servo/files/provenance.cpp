@@ -101,6 +101,8 @@ const char* program_for(Role role) {
       return "planar-calibrate-camera";
     case Role::kLamps:
       return "planar-locate-lamps";
+    case Role::kToolTip:
+      return "planar-teach-tool";
     case Role::kWork:
       return "planar-find-work";
     case Role::kErrorMap:

@@ -29,27 +29,21 @@ enum class Role {
   kDatum,       ///< `datum` of the cell file
   kDrawing,     ///< of a workpiece
   kWork,
-  kArm,         ///< `arm` of the cell file: links, sense, elbow and coupling
+  kToolTip,
+  kArm,  ///< `arm` of the cell file: links, sense, elbow and coupling
 };
 
 /// All roles with the words that files have for them.
-constexpr Named<Role> kRoles[] = {{Role::kCamera, "camera"},
-                                  {Role::kFrames, "frames"},
-                                  {Role::kLamps, "lamps"},
-                                  {Role::kTracker, "tracker"},
-                                  {Role::kWorkplane, "workplane"},
-                                  {Role::kTool, "tool"},
-                                  {Role::kPairs, "pairs"},
-                                  {Role::kErrorMap, "error_map"},
-                                  {Role::kLampLayout, "cell_lamps"},
-                                  {Role::kImageSize, "cell_image_size"},
-                                  {Role::kDatum, "cell_datum"},
-                                  {Role::kHealth, "health"},
-                                  {Role::kDrawing, "drawing"},
-                                  {Role::kWork, "work"},
-                                  {Role::kArmFound, "arm_found"},
-                                  {Role::kArm, "cell_arm"},
-                                  {Role::kLays, "lays"}};
+constexpr Named<Role> kRoles[] = {
+    {Role::kCamera, "camera"},         {Role::kFrames, "frames"},
+    {Role::kLamps, "lamps"},           {Role::kTracker, "tracker"},
+    {Role::kWorkplane, "workplane"},   {Role::kTool, "tool"},
+    {Role::kPairs, "pairs"},           {Role::kErrorMap, "error_map"},
+    {Role::kLampLayout, "cell_lamps"}, {Role::kImageSize, "cell_image_size"},
+    {Role::kDatum, "cell_datum"},      {Role::kHealth, "health"},
+    {Role::kDrawing, "drawing"},       {Role::kWork, "work"},
+    {Role::kToolTip, "tool_tip"},      {Role::kArmFound, "arm_found"},
+    {Role::kArm, "cell_arm"},          {Role::kLays, "lays"}};
 
 /// Holds one thing that a file was made from.
 struct Origin {

@@ -51,10 +51,10 @@ const TableSchema<Fiducial>& mark_schema() {
         mark.sigma_z = sigma_z.value_or(0.0);
         columns.check(mark.size > 0.0, {"must be positive"}, "size_mm");
         columns.check(mark.sigma_z >= 0.0, {"must not be negative"}, "sigma_z_mm");
-        columns.check(mark.kind != FiducialKind::kAprilTag || tag_number(mark.id).has_value(),
-                      {"the id of an AprilTag must end with the tag's number",
-                       "write it as 7 or tag7"},
-                      "id");
+        columns.check(
+            mark.kind != FiducialKind::kAprilTag || tag_number(mark.id).has_value(),
+            {"the id of an AprilTag must end with the tag's number", "write it as 7 or tag7"},
+            "id");
       },
       UnendedRow::kWarned, RowIds::kOwn};
   return schema;
@@ -64,8 +64,8 @@ const TableSchema<Fiducial>& mark_schema() {
 void require_apart(const std::vector<Fiducial>& marks, const fs::path& path) {
   Faults faults;
   if (marks.size() < 2)
-    faults.add({"has one mark, which does not tell how the work is turned",
-                "add one far from it", path.string()});
+    faults.add({"has one mark, which does not tell how the work is turned", "add one far from it",
+                path.string()});
   for (std::size_t i = 0; i < marks.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
       if ((marks[i].p_W - marks[k].p_W).norm() < 0.5 * (marks[i].size + marks[k].size))
@@ -105,7 +105,8 @@ void list_fields(Fields& fields, FoundWork& work) {
   list_covariance(fields, {"x_m", "y_m", "xx", "yx", "xy", "yy"}, pose.covariance);
   fields.number("chance", work.chance, 1.0, Range::from_to(0.0, 1.0));
   if (fields.given("remarks", !work.remarks.empty())) fields.texts("remarks", work.remarks);
-  fields.maps("fiducials", work.fiducials, [&](FoundFiducial& found) { list_fields(fields, found); });
+  fields.maps("fiducials", work.fiducials,
+              [&](FoundFiducial& found) { list_fields(fields, found); });
 }
 
 void list_exposure(Fields& fields, std::optional<CameraExposure>& exposure) {
@@ -159,12 +160,15 @@ std::vector<Origin> work_origins(const CellSettings& cell, const fs::path& drawi
   return origins;
 }
 
-std::vector<StaleFile> stale_work(const fs::path& work, const CellSettings& cell,
-                                  bool with_error_map) {
-  const std::vector<Origin> present = origins_in(cell, calibration_files(cell, with_error_map));
+std::shared_ptr<const LaidWorks> read_works(const fs::path& path, const CalibratedCell& cell,
+                                            bool accepts_stale) {
+  auto works = std::make_shared<const LaidWorks>(read_works(path));
+  const std::vector<Origin> present =
+      origins_in(cell.settings, calibration_files(cell.settings, uses_error_map(cell)));
   std::vector<Role> compared;
   for (const Origin& origin : present) compared.push_back(origin.role);
-  return contradictions({{Role::kWork, work}}, present, compared);
+  accept_stale(contradictions({{Role::kWork, path}}, present, compared), accepts_stale);
+  return works;
 }
 
 std::vector<TargetRow> on_works(const std::vector<TargetRow>& drawn,

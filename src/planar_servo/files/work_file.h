@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
@@ -28,9 +30,10 @@ LaidWorks read_works(const std::filesystem::path& path);
 std::vector<Origin> work_origins(const CellSettings& cell, const std::filesystem::path& drawing,
                                  bool with_error_map);
 
-/// Returns what of the cell has changed since the work was found.
-std::vector<StaleFile> stale_work(const std::filesystem::path& work, const CellSettings& cell,
-                                  bool with_error_map);
+/// Reads the works on which targets lie. Throws InputError where they were found with another
+/// calibration than the cell has now, unless that is accepted.
+std::shared_ptr<const LaidWorks> read_works(const std::filesystem::path& path,
+                                            const CalibratedCell& cell, bool accepts_stale);
 
 /// Returns targets of a drawing in the base frame, on each of its works in turn. Where there are
 /// several, a target's id becomes WORK/ID. A direction turns with the work; a target that names

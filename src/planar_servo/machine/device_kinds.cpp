@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/io/fields.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/hardware/cameras/aravis_kind.h"
 #include "planar_servo/hardware/drives/drive_kinds.h"
@@ -109,8 +110,13 @@ class VirtualDriveKind final : public DriveKind {
  public:
   std::string name() const override { return "virtual"; }
   bool is_virtual() const override { return true; }
+  /// A virtual drive knows its position unless it is to be found by sight.
+  void read(Fields& drive, CellSettings& cell, std::size_t joint) const override {
+    if (drive.given("home", false)) list_home(drive, cell.transmission.drives[joint]);
+  }
   /// Puts the drive's home switch where the drive stands at first.
   void complete(CellSettings& cell, std::size_t joint) const override {
+    if (cell.transmission.drives[joint].home == HomeReference::kSight) return;
     const Eigen::Vector3d motors =
         Transmission(cell.transmission).motors_from_joints(cell.arm.home);
     MotorDrive& motor = cell.transmission.drives[joint];
@@ -247,6 +253,7 @@ VirtualHardware virtual_hardware(const CellSettings& cell) {
     hardware.directions[i] = drive.direction;
     hardware.max_speed_rad_s[i] = drive.max_speed_rad_s;
     hardware.max_acceleration_rad_s2[i] = drive.max_acceleration_rad_s2;
+    hardware.knows_position = drive.home != HomeReference::kSight;
   }
   hardware.home_rad = cell.arm.home;
   for (const Monument& monument : cell.datum)

@@ -132,10 +132,11 @@ VirtualArm::VirtualArm(const Truth& truth, const VirtualHardware& stated, const 
   for (int joint = 0; joint < 3; ++joint) {
     const MotionLimits limits{rated[joint] * stated.max_speed_rad_s[joint],
                               rated[joint] * stated.max_acceleration_rad_s2[joint]};
-    drives_.emplace_back(clock,
-                         VirtualDrive::Settings{scales[joint], limits, home[joint], counted[joint],
-                                                built.gear_ratios[joint], arm_.warming},
-                         arm_.reducers[static_cast<std::size_t>(joint)]);
+    drives_.emplace_back(
+        clock,
+        VirtualDrive::Settings{scales[joint], limits, home[joint], counted[joint],
+                               built.gear_ratios[joint], arm_.warming, stated.knows_position},
+        arm_.reducers[static_cast<std::size_t>(joint)]);
     drives_.back().before_turning([this] { leave_rest(); });
   }
 }

@@ -155,7 +155,8 @@ VirtualDrive::VirtualDrive(const Clock& clock, const Settings& settings,
       reducer_(reducer, settings.home_pulses / settings.pulses_per_rad, settings.gear_ratio),
       followed_until_s_(clock.now_s()),
       target_pulses_(settings.home_pulses),
-      counter_offset_pulses_(settings.counted_pulses - settings.home_pulses) {
+      counter_offset_pulses_(settings.counted_pulses - settings.home_pulses),
+      position_certain_(settings.position_certain) {
   if (settings.warming) warmth_.emplace(*settings.warming);
 }
 

@@ -150,6 +150,7 @@ class VirtualDrive final : public PulseDrive {
     std::int32_t counted_pulses{0};  ///< what the drive counts there at first
     double gear_ratio{1.0};          ///< motor turns per turn behind the gear, as built
     std::optional<ArmWarmingTruth> warming{};
+    bool position_certain{true};  ///< at first
   };
 
   VirtualDrive(const Clock& clock, const Settings& settings, const ReducerTruth& reducer);
@@ -214,7 +215,7 @@ class VirtualDrive final : public PulseDrive {
   std::int32_t counter_offset_pulses_;
   bool homing_{false};
   bool energized_{false};
-  bool position_certain_{true};
+  bool position_certain_;
 };
 
 /// The data of the machine that the virtual cell takes from cell.yaml, unless the truth differs.
@@ -229,6 +230,7 @@ struct VirtualHardware {
   Eigen::Vector3d max_speed_rad_s{1.0, 1.0, 2.0};
   Eigen::Vector3d max_acceleration_rad_s2{5.0, 5.0, 10.0};
   Eigen::Vector3d home_rad{0.0, 0.0, 0.0};  ///< joint angles at power-up
+  bool knows_position{true};                ///< at power-up
   VirtualMonuments monuments_B;
 
   /// Returns the signed scale of each motor's angle behind its gear.

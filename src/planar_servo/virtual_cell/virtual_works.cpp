@@ -49,8 +49,18 @@ Outline square(const Eigen::Vector2d& center, double side_m) {
 Outline cross(const Eigen::Vector2d& center, double size_m) {
   const double a = 0.5 * size_m, b = a / 5.0;  // arms of a fifth of the length
   Outline points;
-  for (const auto& [x, y] : {std::pair{a, b}, {b, b}, {b, a}, {-b, a}, {-b, b}, {-a, b},
-                             {-a, -b}, {-b, -b}, {-b, -a}, {b, -a}, {b, -b}, {a, -b}})
+  for (const auto& [x, y] : {std::pair{a, b},
+                             {b, b},
+                             {b, a},
+                             {-b, a},
+                             {-b, b},
+                             {-a, b},
+                             {-a, -b},
+                             {-b, -b},
+                             {-b, -a},
+                             {b, -a},
+                             {b, -b},
+                             {a, -b}})
     points.emplace_back(center + Eigen::Vector2d(x, y));
   return points;
 }
@@ -66,8 +76,8 @@ void add_tag(const WorkMarkTruth& mark, double dark, double bright, std::vector<
   for (int row = 0; row < kCells; ++row)
     for (int column = 0; column < kCells; ++column)
       if (bits.at<std::uint8_t>(row, column) > 0)
-        inks.push_back({square(mark.p_W + cell * Eigen::Vector2d(column - 3.5, 3.5 - row), cell),
-                        bright});
+        inks.push_back(
+            {square(mark.p_W + cell * Eigen::Vector2d(column - 3.5, 3.5 - row), cell), bright});
 }
 
 void add_mark(const WorkMarkTruth& mark, const WorkpieceTruth& work, std::vector<Ink>& inks) {
@@ -133,8 +143,7 @@ VirtualWorks::VirtualWorks(const Truth& truth, const VirtualLens& lens, cv::Size
 
 std::vector<Light> VirtualWorks::render(double t_s) const {
   if (works_.empty()) return {};
-  if (!rendering_ || t_s - rendering_->t_s > lens_.still_s() ||
-      slid_between(rendering_->t_s, t_s))
+  if (!rendering_ || t_s - rendering_->t_s > lens_.still_s() || slid_between(rendering_->t_s, t_s))
     rendering_ = {t_s, rendered(t_s)};
   return rendering_->lights;
 }
@@ -153,8 +162,8 @@ std::vector<Light> VirtualWorks::rendered(double t_s) const {
       const Outline outline_px = project(ink.outline_W, work.X_BW(t_s), lens_, t_s);
       if (outline_px.empty()) continue;
       if (!light) {
-        const cv::Rect window = window_around(outline_px, 4.0 * blur_px_) &
-                                cv::Rect(cv::Point(), sensor_px_);
+        const cv::Rect window =
+            window_around(outline_px, 4.0 * blur_px_) & cv::Rect(cv::Point(), sensor_px_);
         if (window.empty()) break;
         light = Light{window, cv::Mat1f(window.size(), 0.0F)};
       }

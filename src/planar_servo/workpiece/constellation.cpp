@@ -101,8 +101,7 @@ class Matcher {
   std::optional<Hypothesis> hypothesis(std::size_t i, std::size_t j, std::size_t a, std::size_t b,
                                        bool mirrored) const {
     const Eigen::Vector2d flip(1.0, mirrored ? -1.0 : 1.0);
-    const Eigen::Vector2d drawn =
-        flip.asDiagonal() * (drawing_[j].p_W - drawing_[i].p_W);
+    const Eigen::Vector2d drawn = flip.asDiagonal() * (drawing_[j].p_W - drawing_[i].p_W);
     const Eigen::Vector2d seen = candidates_[b].p_B - candidates_[a].p_B;
     if (std::abs(drawn.norm() - seen.norm()) > kCapture_m + kCaptureShare * drawn.norm())
       return std::nullopt;
@@ -168,8 +167,7 @@ class Matcher {
 std::string names_of_marks(const std::vector<Fiducial>& drawing,
                            const std::vector<std::size_t>& marks) {
   std::string text;
-  for (const std::size_t mark : marks)
-    text += (text.empty() ? "" : ", ") + drawing[mark].id;
+  for (const std::size_t mark : marks) text += (text.empty() ? "" : ", ") + drawing[mark].id;
   return text;
 }
 
@@ -178,12 +176,12 @@ std::string counts_text(const std::vector<Fiducial>& drawing,
                         const std::vector<MarkCandidate>& candidates) {
   std::string text;
   for (const auto& kind : kFiducialKinds) {
-    const auto wanted = std::count_if(drawing.begin(), drawing.end(),
-                                      [&](const Fiducial& mark) { return mark.kind == kind.value; });
+    const auto wanted = std::count_if(drawing.begin(), drawing.end(), [&](const Fiducial& mark) {
+      return mark.kind == kind.value;
+    });
     if (wanted == 0) continue;
-    const auto seen =
-        std::count_if(candidates.begin(), candidates.end(),
-                      [&](const MarkCandidate& c) { return c.kind == kind.value; });
+    const auto seen = std::count_if(candidates.begin(), candidates.end(),
+                                    [&](const MarkCandidate& c) { return c.kind == kind.value; });
     text += fmt::format("{}{} seen of about the size of the drawing's {} marks {}",
                         text.empty() ? "" : ", ", seen, wanted, kind.name);
   }
@@ -194,9 +192,9 @@ std::string counts_text(const std::vector<Fiducial>& drawing,
   std::string text;
   for (std::size_t i = 0; i < drawing.size(); ++i)
     if (best.candidates[i] == kNone)
-      text += fmt::format("{}{} is not seen where the other {} put it, at {}",
-                          text.empty() ? "" : "; ", drawing[i].id, best.found,
-                          place_mm(best.at(drawing[i].p_W)));
+      text +=
+          fmt::format("{}{} is not seen where the other {} put it, at {}", text.empty() ? "" : "; ",
+                      drawing[i].id, best.found, place_mm(best.at(drawing[i].p_W)));
   throw WorkError({text,
                    "uncover it and clean it, or leave its row out of the drawing if it is not "
                    "there; a drawing of another work may fit by chance"});
@@ -207,10 +205,10 @@ void refuse_doubled(const Matcher& matcher, const std::vector<Fiducial>& drawing
   for (std::size_t i = 0; i < drawing.size(); ++i) {
     const std::vector<std::size_t> near = matcher.near(h, i);
     if (near.size() < 2) continue;
-    throw WorkError({fmt::format("two things look like {}: one at {}, one at {}", drawing[i].id,
-                                 place_mm(candidates[near[0]].p_B),
-                                 place_mm(candidates[near[1]].p_B)),
-                     "cover the one that is not the mark, such as a reflection"});
+    throw WorkError(
+        {fmt::format("two things look like {}: one at {}, one at {}", drawing[i].id,
+                     place_mm(candidates[near[0]].p_B), place_mm(candidates[near[1]].p_B)),
+         "cover the one that is not the mark, such as a reflection"});
   }
 }
 

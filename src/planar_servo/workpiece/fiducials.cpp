@@ -90,10 +90,10 @@ double round_size_px(const Part& part) {
 
 /// Returns whether the part looks like this kind, whatever its size.
 bool has_form(const Part& part, FiducialKind kind) {
-  constexpr double kLeastFill = 0.9;     // of a disc in its hull, whose pixels are coarse
-  constexpr double kLeastHole = 0.06;    // share of a ring's area within its outline
-  constexpr double kLeastRound = 0.72;   // area by that of the circle around it; a square has 0.64
-  constexpr double kMostCrossFill = 0.8; // of a cross in its hull: arms of a third have 0.71
+  constexpr double kLeastFill = 0.9;      // of a disc in its hull, whose pixels are coarse
+  constexpr double kLeastHole = 0.06;     // share of a ring's area within its outline
+  constexpr double kLeastRound = 0.72;    // area by that of the circle around it; a square has 0.64
+  constexpr double kMostCrossFill = 0.8;  // of a cross in its hull: arms of a third have 0.71
   const double fill = part.area_px2 / part.hull_area_px2;
   const double hole = part.holes_px2 / part.area_px2;
   const double roundness = part.area_px2 / (0.25 * kPi * part.extent_px * part.extent_px);
@@ -102,8 +102,8 @@ bool has_form(const Part& part, FiducialKind kind) {
   return (kind == FiducialKind::kRing) == (hole > kLeastHole);
 }
 
-/// Returns whether the levels step down, or up, across the outline of a round part. The surroundings
-/// of a dark disc are brighter than the mean there, too, but end in nothing.
+/// Returns whether the levels step down, or up, across the outline of a round part. The
+/// surroundings of a dark disc are brighter than the mean there, too, but end in nothing.
 bool has_edge(const cv::Mat& image, const Part& part, bool bright) {
   const double reach_px = std::max(2.0, 0.06 * part.extent_px);
   const cv::Rect whole({}, image.size());
@@ -123,8 +123,7 @@ bool has_edge(const cv::Mat& image, const Part& part, bool bright) {
 }
 
 bool looks_like(const cv::Mat& image, const Part& part, FiducialKind kind, bool bright) {
-  return has_form(part, kind) &&
-         (kind == FiducialKind::kCross || has_edge(image, part, bright));
+  return has_form(part, kind) && (kind == FiducialKind::kCross || has_edge(image, part, bright));
 }
 
 std::vector<FiducialSight> find_parts(const cv::Mat& image, FiducialKind kind, double size_px) {
@@ -190,7 +189,8 @@ std::vector<FiducialSight> find_chess_corners(const cv::Mat& image, double size_
   const double least = std::pow(0.1 * kLeastContrast / (blur_px * blur_px), 2);
   std::vector<FiducialSight> found;
   for (int begin = 0; begin < image.rows; begin += kBandRows) {
-    const int from = std::max(0, begin - reach), to = std::min(image.rows, begin + kBandRows + reach);
+    const int from = std::max(0, begin - reach),
+              to = std::min(image.rows, begin + kBandRows + reach);
     const cv::Mat1f response = saddles(image.rowRange(from, to), blur_px);
     cv::Mat1f greatest;
     cv::dilate(response, greatest, cv::Mat::ones(reach, reach, CV_8U));
@@ -227,7 +227,8 @@ std::vector<FiducialSight> find_tags(const cv::Mat& image, double size_px) {
       std::min(0.03, 4.0 * (1.0 - kSizeShare) * size_px / std::max(image.cols, image.rows));
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> numbers;
-  cv::aruco::detectMarkers(image, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11),
+  cv::aruco::detectMarkers(image,
+                           cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11),
                            corners, numbers, parameters);
   std::vector<FiducialSight> found;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -270,8 +271,8 @@ std::optional<std::pair<Part, bool>> middle_part(const Crop& crop, FiducialKind 
 void fill_ring(cv::Mat& image, const Part& part) {
   cv::Mat inside(image.size(), CV_8U, cv::Scalar(0));
   cv::drawContours(inside, std::vector<Contour>{part.outline}, 0, cv::Scalar(255), cv::FILLED);
-  const double ring_px = 0.5 * std::sqrt(4.0 / kPi) *
-                         (std::sqrt(part.area_px2) - std::sqrt(part.holes_px2));
+  const double ring_px =
+      0.5 * std::sqrt(4.0 / kPi) * (std::sqrt(part.area_px2) - std::sqrt(part.holes_px2));
   cv::Mat distance;
   cv::distanceTransform(inside, distance, cv::DIST_L2, 3);
   LevelHistogram levels;
@@ -307,8 +308,7 @@ std::optional<FiducialSight> measure_corner(const cv::Mat& image, const Fiducial
   if (!crop) return std::nullopt;
   const int half = std::max(3, static_cast<int>(std::lround(reach * found.size_px)));
   const Eigen::Vector2d start = found.uv_px - crop->corner_px;
-  std::vector<cv::Point2f> corner{
-      {static_cast<float>(start.x()), static_cast<float>(start.y())}};
+  std::vector<cv::Point2f> corner{{static_cast<float>(start.x()), static_cast<float>(start.y())}};
   if (2 * half + 5 > std::min(crop->image.cols, crop->image.rows)) return std::nullopt;
   cv::cornerSubPix(crop->image, corner, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-4});
@@ -342,8 +342,7 @@ std::optional<int> tag_number(const std::string& id) {
   return std::stoi(digits);
 }
 
-std::vector<FiducialSight> find_fiducials(const cv::Mat& image, FiducialKind kind,
-                                          double size_px) {
+std::vector<FiducialSight> find_fiducials(const cv::Mat& image, FiducialKind kind, double size_px) {
   require_8_bit(image);
   if (kind == FiducialKind::kChessCorner) return find_chess_corners(image, size_px);
   if (kind == FiducialKind::kAprilTag) return find_tags(image, size_px);

@@ -12,10 +12,12 @@ namespace planar {
 
 enum class FiducialKind { kBrightDisc, kDarkDisc, kRing, kCross, kChessCorner, kAprilTag };
 
-constexpr Named<FiducialKind> kFiducialKinds[] = {
-    {FiducialKind::kBrightDisc, "bright_disc"},   {FiducialKind::kDarkDisc, "dark_disc"},
-    {FiducialKind::kRing, "ring"},                {FiducialKind::kCross, "cross"},
-    {FiducialKind::kChessCorner, "chess_corner"}, {FiducialKind::kAprilTag, "apriltag"}};
+constexpr Named<FiducialKind> kFiducialKinds[] = {{FiducialKind::kBrightDisc, "bright_disc"},
+                                                  {FiducialKind::kDarkDisc, "dark_disc"},
+                                                  {FiducialKind::kRing, "ring"},
+                                                  {FiducialKind::kCross, "cross"},
+                                                  {FiducialKind::kChessCorner, "chess_corner"},
+                                                  {FiducialKind::kAprilTag, "apriltag"}};
 
 /// Returns whether the kind is measured by its rim, which gives a covariance.
 bool is_round(FiducialKind kind);

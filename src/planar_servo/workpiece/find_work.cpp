@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/learn/error_map/error_map.h"
 #include "planar_servo/learn/field/lamp_field.h"
-#include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/loop/vision/reference_lamps.h"
 
 namespace planar {
@@ -22,8 +23,8 @@ using Points = std::vector<Eigen::Vector2d>;
 
 /// What the field says of the lens where the lamps' plane is seen at some places.
 struct LensError {
-  Eigen::Matrix2Xd error;   ///< a column for each place, metres
-  Eigen::MatrixXd factor;   ///< of the covariance of all, x and y of each place in turn
+  Eigen::Matrix2Xd error;  ///< a column for each place, metres
+  Eigen::MatrixXd factor;  ///< of the covariance of all, x and y of each place in turn
 };
 
 LensError lens_error(const LampField& field, const Points& seen_B) {
@@ -143,8 +144,7 @@ void take_off_eccentricity(const VisionCalibration& vision, const Fiducial& fidu
   const Workplane plane = plane_at(vision.workplane, fiducial.z);
   const auto p = plane.plane_from_pixel(mean.uv_px);
   if (!p) refuse_outside(fiducial);
-  if (const auto shift =
-          eccentricity_px(plane.camera(), plane.X_WC().inverse(), *p, fiducial.size))
+  if (const auto shift = eccentricity_px(plane.camera(), plane.X_WC().inverse(), *p, fiducial.size))
     mean.uv_px -= *shift;
 }
 
@@ -171,16 +171,22 @@ std::vector<MarkCandidate> candidates_in(const Picture& picture, const VisionCal
       const auto p_B = plane.plane_from_pixel(picture.motion.then(sight.uv_px));
       if (!p_B) continue;
       const double here = px_per_m(plane, *p_B);
-      if (here > 0.0)
-        candidates.push_back({sight, form.first, sight.size_px / here, *p_B});
+      if (here > 0.0) candidates.push_back({sight, form.first, sight.size_px / here, *p_B});
     }
   }
   return candidates;
 }
 
-FoundWork work_at(const Constellation& constellation, const std::vector<MarkCandidate>& candidates,
-                  const std::vector<Picture>& pictures, const VisionCalibration& vision,
-                  const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
+/// The marks of a place, as seen at calibration and on their plane.
+struct MeasuredMarks {
+  std::vector<MeanFiducial> means;
+  WorkMarks marks;
+};
+
+MeasuredMarks measure_marks(const Constellation& constellation,
+                            const std::vector<MarkCandidate>& candidates,
+                            const std::vector<Picture>& pictures, const VisionCalibration& vision,
+                            const std::vector<Fiducial>& drawing) {
   std::vector<MeanFiducial> means;
   for (std::size_t i = 0; i < drawing.size(); ++i) {
     const FiducialSight& sight = candidates[constellation.candidates[i]].sight;
@@ -200,9 +206,15 @@ FoundWork work_at(const Constellation& constellation, const std::vector<MarkCand
     uv_px.push_back(mean.uv_px);
     own_px2.push_back(mean.covariance_px2);
   }
-  const WorkMarks marks = marks_on_plane(vision, drawing, uv_px, own_px2);
-  const WorkFit fit = fit_to_drawing(marks, settings.drawing_sigma, settings.allowed, vision,
-                                     drawing.front().z);
+  return {means, marks_on_plane(vision, drawing, uv_px, own_px2)};
+}
+
+FoundWork work_at(const Constellation& constellation, const std::vector<MarkCandidate>& candidates,
+                  const std::vector<Picture>& pictures, const VisionCalibration& vision,
+                  const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
+  const auto [means, marks] = measure_marks(constellation, candidates, pictures, vision, drawing);
+  const WorkFit fit =
+      fit_to_drawing(marks, settings.drawing_sigma, settings.allowed, vision, drawing.front().z);
   FoundWork work;
   work.pose = fit.pose;
   work.chance = fit.chance();
@@ -220,8 +232,8 @@ FoundWork work_at(const Constellation& constellation, const std::vector<MarkCand
 void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCalibration& vision) {
   if (work.fiducials.size() == 2) {
     const auto& [first, second] = std::pair(work.fiducials[0], work.fiducials[1]);
-    const double power = 4.0 * std::sqrt(2.0) * std::hypot(settings.drawing_sigma,
-                                                           std::max(first.sigma, second.sigma));
+    const double power = 4.0 * std::sqrt(2.0) *
+                         std::hypot(settings.drawing_sigma, std::max(first.sigma, second.sigma));
     work.remarks.push_back(fmt::format(
         "two marks have one check, their distance: a mark that is off by less than {:.3f} mm along "
         "their line, or by anything across it, is not noticed",
@@ -251,10 +263,10 @@ void number_works(std::vector<FoundWork>& works) {
     places += fmt::format("{}{} turned by {:.1f} deg", places.empty() ? "" : "; ",
                           place_mm(place.X_BW.translation()),
                           std::atan2(place.X_BW(1, 0), place.X_BW(0, 0)) / kDegree);
-  throw WorkError({fmt::format("the drawing fits in {} ways; its origin would be at {}",
-                               found.size(), places),
-                   "say with --near X,Y,TURN which one is meant, take --all where each is a work "
-                   "of its own, or give the drawing a mark that breaks its symmetry"});
+  throw WorkError(
+      {fmt::format("the drawing fits in {} ways; its origin would be at {}", found.size(), places),
+       "say with --near X,Y,TURN which one is meant, take --all where each is a work "
+       "of its own, or give the drawing a mark that breaks its symmetry"});
 }
 
 /// Returns whether two of these places share a mark, so that not each can be a work of its own.
@@ -272,7 +284,8 @@ WorkMarks with_drawing_noise(WorkMarks marks, double sigma) {
 }
 
 /// Says how far the marks' scale is from the drawing's, and which height would explain it.
-[[noreturn]] void refuse_scale(const WorkFit& similarity, const VisionCalibration& vision, double z) {
+[[noreturn]] void refuse_scale(const WorkFit& similarity, const VisionCalibration& vision,
+                               double z) {
   const double scale = similarity.pose.scale();
   const double H = vision.workplane.X_WC().translation().z();
   throw WorkError(
@@ -290,8 +303,7 @@ WorkMarks with_drawing_noise(WorkMarks marks, double sigma) {
   throw WorkError(
       {fmt::format("the marks do not fit the drawing; {} is off by {:.3f} mm, and no single one "
                    "can be told to be wrong",
-                   marks.ids[static_cast<std::size_t>(worst)],
-                   mm(fit.residuals.col(worst).norm())),
+                   marks.ids[static_cast<std::size_t>(worst)], mm(fit.residuals.col(worst).norm())),
        "compare the drawing with the work, see that it lies flat, or state a larger deviation of "
        "the drawing with --drawing-sigma-mm"});
 }
@@ -311,8 +323,8 @@ WorkMarks marks_on_plane(const VisionCalibration& vision, const std::vector<Fidu
     seen[i] = *s;
   }
   const LensError lens = lens_error(vision, seen);
-  WorkMarks marks{{}, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n),
-                  Eigen::MatrixXd::Zero(2 * n, 2 * n), {}};
+  WorkMarks marks{
+      {}, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n), Eigen::MatrixXd::Zero(2 * n, 2 * n), {}};
   Eigen::MatrixXd shared(2 * n, lens.factor.cols() + 1);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -369,10 +381,8 @@ std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionC
                                  const std::vector<Fiducial>& drawing,
                                  const WorkSettings& settings) {
   const std::vector<Picture> pictures = pictures_of(frames, vision);
-  const std::vector<MarkCandidate> candidates =
-      candidates_in(pictures.front(), vision, drawing);
-  const std::vector<Constellation> found =
-      match_constellation(drawing, candidates, settings.place);
+  const std::vector<MarkCandidate> candidates = candidates_in(pictures.front(), vision, drawing);
+  const std::vector<Constellation> found = match_constellation(drawing, candidates, settings.place);
   if (found.size() > 1 && (!settings.all || share_marks(found))) refuse_ambiguous(found);
   std::vector<FoundWork> works;
   for (const Constellation& constellation : found) {
@@ -381,6 +391,33 @@ std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionC
   }
   number_works(works);
   return works;
+}
+
+std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCalibration& vision,
+                               const std::vector<Fiducial>& bar) {
+  const std::vector<Picture> pictures = pictures_of(frames, vision);
+  const std::vector<MarkCandidate> candidates = candidates_in(pictures.front(), vision, bar);
+  std::vector<BarSight> bars;
+  std::map<std::size_t, std::set<std::size_t>> partners;  // a bar with two like ends fits twice
+  for (const Constellation& found : match_constellation(bar, candidates, {})) {
+    const std::size_t first = found.candidates[0], second = found.candidates[1];
+    partners[second].insert(first);
+    if (!partners[first].insert(second).second) continue;
+    const WorkMarks marks = measure_marks(found, candidates, pictures, vision, bar).marks;
+    const Eigen::Vector2d along = marks.p_B.col(1) - marks.p_B.col(0);
+    Eigen::Vector4d slope;
+    slope << -along.normalized(), along.normalized();
+    bars.push_back({{marks.p_B.col(0), marks.p_B.col(1)},
+                    along.norm(),
+                    std::sqrt(slope.dot(marks.covariance() * slope))});
+  }
+  for (const auto& [mark, others] : partners)
+    if (others.size() > 1)
+      throw WorkError({fmt::format("the mark at {} is about the bar's length from {} others, so that "
+                                   "nobody knows which is the bar's other end",
+                                   place_mm(candidates[mark].p_B), others.size()),
+                       "lay one bar at a time, and clear away what looks like its marks"});
+  return bars;
 }
 
 WorkMotion look_again(const std::vector<Frame>& frames, const VisionCalibration& vision,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -69,6 +70,18 @@ WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
 std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionCalibration& vision,
                                  const std::vector<Fiducial>& drawing,
                                  const WorkSettings& settings);
+
+/// A bar with two marks as it is seen, base frame, metres.
+struct BarSight {
+  std::array<Eigen::Vector2d, 2> p_B{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  double length{0.0};  ///< between its marks
+  double sigma{0.0};   ///< of the length, by the marks' noise and the doubts about height and lens
+};
+
+/// Measures every bar with such marks, which are about as far apart as drawn, in whole frames of a
+/// scene at rest. Throws WorkError when there is none.
+std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCalibration& vision,
+                               const std::vector<Fiducial>& bar);
 
 /// What a later look at a workpiece shows.
 struct WorkMotion {

@@ -31,8 +31,8 @@ Eigen::MatrixXd directions_of(WorkMap map, const WorkPose& pose, const Eigen::Ve
   turn << 0.0, -1.0, 1.0, 0.0;
   flat << 1.0, 0.0, 0.0, -1.0;
   shear << 0.0, 1.0, 1.0, 0.0;
-  const Eigen::Index unknowns = static_cast<Eigen::Index>(2 * least_marks(map)) -
-                                (map == WorkMap::kRigid ? 1 : 0);
+  const Eigen::Index unknowns =
+      static_cast<Eigen::Index>(2 * least_marks(map)) - (map == WorkMap::kRigid ? 1 : 0);
   Eigen::MatrixXd all(6, 6);
   all.leftCols<2>() = Eigen::Matrix<double, 6, 2>::Identity();
   all.col(2) = change(turn * pose.A);
@@ -123,8 +123,8 @@ std::optional<WorkFit> fit_work(const WorkMarks& marks, WorkMap map) {
     const Eigen::VectorXd white = solve_lower(*L, stacked(misses));
     const Eigen::MatrixXd directions = directions_of(map, fit.pose, middle);
     const Eigen::MatrixXd J = solve_lower(*L, rows * directions);
-    const auto inverse = solve_positive(J.transpose() * J,
-                                        Eigen::MatrixXd::Identity(J.cols(), J.cols()), 1e-14);
+    const auto inverse =
+        solve_positive(J.transpose() * J, Eigen::MatrixXd::Identity(J.cols(), J.cols()), 1e-14);
     if (!inverse) return std::nullopt;
     fit.pose.covariance = directions * *inverse * directions.transpose();
     const Eigen::VectorXd own = marks.own * solve_lower_transposed(*L, white);
@@ -145,8 +145,7 @@ std::optional<ContradictingMark> contradicting_mark(const WorkMarks& marks, Work
     const auto rest = fit_work(marks.without(i), map);
     if (!rest || rest->freedom == 0 || rest->chance() < kFalseAlarm) continue;
     const auto mark = static_cast<Eigen::Index>(i);
-    const double distance =
-        (marks.p_B.col(mark) - rest->pose.in_base(marks.p_W.col(mark))).norm();
+    const double distance = (marks.p_B.col(mark) - rest->pose.in_base(marks.p_W.col(mark))).norm();
     const Eigen::Matrix2d covariance = rest->pose.covariance_at(marks.p_W.col(mark)) +
                                        marks.covariance().block<2, 2>(2 * mark, 2 * mark);
     if (distance < kClearSigmas * per_axis(covariance)) continue;

@@ -14,9 +14,8 @@ namespace planar {
 /// What a drawing may have become on its workpiece, each more general than the one before.
 enum class WorkMap { kRigid, kSimilarity, kAffine };
 
-constexpr Named<WorkMap> kWorkMaps[] = {{WorkMap::kRigid, "rigid"},
-                                        {WorkMap::kSimilarity, "similarity"},
-                                        {WorkMap::kAffine, "affine"}};
+constexpr Named<WorkMap> kWorkMaps[] = {
+    {WorkMap::kRigid, "rigid"}, {WorkMap::kSimilarity, "similarity"}, {WorkMap::kAffine, "affine"}};
 
 /// Where a drawing W lies in the base frame B: p_B = A p_W + t, metres.
 struct WorkPose {

@@ -80,6 +80,10 @@ class DriveGroup {
   virtual void start_homing(int joint, HomeDirection direction) = 0;
   virtual void set_position(int joint, std::int32_t position_pulses) = 0;
 
+  /// Makes every drive that would keep its position beyond this program unsure of it, at rest.
+  /// Throws DriveError naming those that could not be told.
+  virtual void forget_positions() { halt(); }
+
   /// Returns in words why new targets every few hundredths of a second do not make one smooth
   /// motion of these drives; empty when they do.
   virtual std::optional<std::string> stream_refusal() const { return std::nullopt; }

@@ -98,6 +98,9 @@ class Fields {
   /// Returns whether to visit a key that a file may leave out: when reading, whether the file has
   /// it; when writing, `wanted`.
   virtual bool given(const std::string& key, bool wanted) = 0;
+  /// Returns the keys that a file's map at `key` has, where they are names that a person chose;
+  /// none when writing.
+  virtual std::vector<std::string> names_in(const std::string& key) = 0;
 
   bool number(const std::string& key, double& field, double unit = 1.0,
               const Range& range = Range::any());

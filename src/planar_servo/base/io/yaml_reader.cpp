@@ -251,6 +251,14 @@ bool YamlReader::given(const std::string& key, bool /*wanted*/) {
   return impl_->is_in_map() && impl_->find(key).IsDefined();
 }
 
+std::vector<std::string> YamlReader::names_in(const std::string& key) {
+  const Impl::Place map = impl_->at(key);
+  std::vector<std::string> names;
+  if (map.node.IsDefined() && map.node.IsMap())
+    for (const auto& entry : map.node) names.push_back(entry.first.Scalar());
+  return names;
+}
+
 void YamlReader::allow_rest() {
   const Impl::Place& map = impl_->maps.back();
   if (map.present()) impl_->visit(map).any_key = true;

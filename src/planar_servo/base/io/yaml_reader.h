@@ -34,6 +34,7 @@ class YamlReader : public Fields {
 
   bool reading() const override { return true; }
   bool given(const std::string& key, bool wanted = false) override;
+  std::vector<std::string> names_in(const std::string& key) override;
   void allow_rest() override;
   bool check(bool kept, const Refusal& refusal, const std::string& key = "") override;
 

@@ -52,6 +52,7 @@ class YamlWriter : public Fields {
 
   bool reading() const override { return false; }
   bool given(const std::string& /*key*/, bool wanted) override { return wanted; }
+  std::vector<std::string> names_in(const std::string& /*key*/) override { return {}; }
   void allow_rest() override {}
   bool check(bool kept, const Refusal& /*refusal*/, const std::string& /*key*/) override {
     return kept;

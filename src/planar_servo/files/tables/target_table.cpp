@@ -18,6 +18,8 @@ const TableSchema<TargetRow>& target_schema() {
         columns.text("id", row.id);
         columns.point("x_mm", "y_mm", row.p_d, kMillimetre, 6);
         columns.optional_number("phi_deg", row.phi_d, kDegree, 6, Column::kOptional);
+        if (columns.reading() || !row.tool.empty())
+          columns.text("tool", row.tool, Column::kOptional);
       },
       UnendedRow::kRefused, RowIds::kOwn};
   return targets;

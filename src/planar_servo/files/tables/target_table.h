@@ -19,8 +19,10 @@ namespace planar {
 struct TargetRow {
   std::string id;
   Eigen::Vector2d p_d{0.0, 0.0};
-  std::optional<double> phi_d;  ///< radians
-  double sigma_m{0.0};          ///< of p_d per axis, by the work on which it lies
+  std::optional<double> phi_d;     ///< radians
+  std::string tool{};              ///< whose tip is wanted there; empty for the usual one
+  double sigma_m{0.0};             ///< of p_d per axis, by the work on which it lies and the tool
+  Eigen::Vector2d p_TE{0.0, 0.0};  ///< the tip of that tool in T; see ToolTip
 };
 
 /// Reads targets.csv. Throws InputError naming FILE:LINE of each bad row, and for a table without

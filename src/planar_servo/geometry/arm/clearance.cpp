@@ -52,8 +52,8 @@ double distance_m(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const 
   if (contains(corners, from)) return 0.0;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < corners.size(); ++i)
-    nearest = std::min(
-        nearest, segment_to_segment(from, to, corners[i], corners[(i + 1) % corners.size()]));
+    nearest = std::min(nearest,
+                       segment_to_segment(from, to, corners[i], corners[(i + 1) % corners.size()]));
   return nearest;
 }
 
@@ -66,8 +66,7 @@ bool is_simple_polygon(const std::vector<Eigen::Vector2d>& corners) {
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n; ++j) {
       const bool neighbours = i == 0 && j == n - 1;
-      if (!neighbours &&
-          meet(corners[i], corners[i + 1], corners[j], corners[(j + 1) % n]))
+      if (!neighbours && meet(corners[i], corners[i + 1], corners[j], corners[(j + 1) % n]))
         return false;
     }
   return true;

@@ -14,9 +14,7 @@ struct Heights {
   double from_m{-std::numeric_limits<double>::infinity()};
   double to_m{std::numeric_limits<double>::infinity()};
 
-  bool overlap(const Heights& other) const {
-    return from_m <= other.to_m && other.from_m <= to_m;
-  }
+  bool overlap(const Heights& other) const { return from_m <= other.to_m && other.from_m <= to_m; }
 };
 
 /// What an arm takes up: each link a capsule about its axis, whose ends are base and elbow, or

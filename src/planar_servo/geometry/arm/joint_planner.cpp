@@ -55,8 +55,7 @@ class Way {
     const double depth = depth_m(joints_at(middle_s));
     if (depth > depth_m(joints_at(best_s))) best_s = middle_s;
     const double reach = std::max(length_bound_m(from_s, middle_s), length_bound_m(middle_s, to_s));
-    if (depth + reach <=
-        std::max(0.0, depth_m(joints_at(best_s))) + JointPlanner::kWayResolution_m)
+    if (depth + reach <= std::max(0.0, depth_m(joints_at(best_s))) + JointPlanner::kWayResolution_m)
       return best_s;
     best_s = deepest_s(depth_m, from_s, middle_s, best_s);
     return deepest_s(depth_m, middle_s, to_s, best_s);

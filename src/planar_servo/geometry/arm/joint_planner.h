@@ -61,6 +61,7 @@ class JointPlanner {
   /// Returns its scatter, and by how much its base moves; 0 where no arm was found.
   double scatter_m() const { return found_ ? found_->scatter_m : 0.0; }
   double wander_m() const { return found_ ? found_->wander_m : 0.0; }
+  bool has_barriers() const { return !workspace_.barriers.empty(); }
   const PlanarArm& arm() const { return arm_; }
   const Transmission& transmission() const { return transmission_; }
 

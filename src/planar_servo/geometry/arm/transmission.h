@@ -17,9 +17,13 @@ enum class Coupling { kRelative, kAbsolute };
 /// Positions of motors 1 to 3, pulses.
 using Pulses = Eigen::Vector3i;
 
-/// The place from which a motor's position is counted: a mark that a person moves it to, or a
-/// switch that it seeks itself.
-enum class HomeReference { kTaught, kReverseSwitch, kForwardSwitch };
+/// The place from which a motor's position is counted: a mark that a person moves it to, a switch
+/// that it seeks itself, or where the camera sees it.
+enum class HomeReference { kTaught, kReverseSwitch, kForwardSwitch, kSight };
+
+inline bool is_switch(HomeReference home) {
+  return home == HomeReference::kReverseSwitch || home == HomeReference::kForwardSwitch;
+}
 
 struct MotorDrive {
   double pulses_per_motor_turn{10000.0};

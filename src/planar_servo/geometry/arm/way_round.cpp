@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
 #include <queue>
+#include <tuple>
 #include <unordered_map>
 
 #include "planar_servo/base/core/units.h"

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "planar_servo/base/core/pose.h"
@@ -96,6 +98,7 @@ struct CellSettings {
   std::optional<std::filesystem::path> health;       ///< what the calibration kept for later checks
   std::optional<std::filesystem::path> arm_found;    ///< the arm as its poses showed it
   std::optional<std::filesystem::path> arm_learned;  ///< what looks have taught of it since
+  std::map<std::string, std::filesystem::path> tools;  ///< files of taught tips, by name
   LampSettings lamps;
   std::vector<ReferenceLampLayout> reference_lamps;
   ArmSettings arm;

@@ -21,21 +21,14 @@ using Verdict = Finding::Verdict;
 
 constexpr Named<HomeReference> kReferences[] = {{HomeReference::kTaught, "taught"},
                                                 {HomeReference::kReverseSwitch, "reverse_switch"},
-                                                {HomeReference::kForwardSwitch, "forward_switch"}};
-
-/// Lists the key `home` of an item of `drives`: where a motor's position is counted from.
-void list_home(Fields& drive, MotorDrive& motor) {
-  drive.map("home", [&] {
-    drive.choice("reference", motor.home, kReferences);
-    drive.number("at_deg", motor.home_rad, kDegree);
-  });
-}
+                                                {HomeReference::kForwardSwitch, "forward_switch"},
+                                                {HomeReference::kSight, "sight"}};
 
 /// Returns that key, with comments, for a motor in a new cell file that is moved to a mark by hand.
 std::string new_home(double mark_deg) {
   return fmt::format(
       R"(    home:
-      reference: taught            # taught (a mark, by hand), reverse_switch or forward_switch
+      reference: taught            # taught (a mark, by hand), reverse_switch, forward_switch or sight
       at_deg: {:<20g} # motor's angle behind its gear at that mark or switch
 )",
       mark_deg);
@@ -82,9 +75,7 @@ void check_board(Fields& drive, const CellSettings& cell, std::size_t joint, std
   drive.check(details.axis != first.axis,
               {fmt::format("drives[{}] is axis {} as drives[{}]", joint, details.axis, other),
                "each joint needs an axis of its own"});
-  const auto taught = [&](std::size_t i) {
-    return cell.transmission.drives[i].home == HomeReference::kTaught;
-  };
+  const auto taught = [&](std::size_t i) { return !is_switch(cell.transmission.drives[i].home); };
   drive.check(taught(joint) == taught(other),
               {fmt::format("drives[{}] and drives[{}] must both be taught or both have a home "
                            "switch, because Grbl searches the switches of all axes",
@@ -125,6 +116,14 @@ std::vector<Finding> examine_inputs(const std::string& on) {
 }
 
 }  // namespace
+
+void list_home(Fields& drive, MotorDrive& motor) {
+  drive.map("home", [&] {
+    drive.choice("reference", motor.home, kReferences);
+    if (motor.home != HomeReference::kSight || drive.given("at_deg", false))
+      drive.number("at_deg", motor.home_rad, kDegree);
+  });
+}
 
 std::vector<Finding> examine_grbl(const GrblSettings& settings) {
   try {

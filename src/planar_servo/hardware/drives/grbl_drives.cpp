@@ -171,7 +171,7 @@ void GrblDrives::start_homing(int joint, HomeDirection /*direction*/) {
   const auto i = static_cast<std::size_t>(joint);
   Joint& homed = joints_.at(i);
   require_touch("be homed");
-  if (axis(i).home == HomeReference::kTaught)
+  if (!is_switch(axis(i).home))
     throw DriveError(fmt::format("drive {} has no home switch in the cell file", joint + 1));
   if (axes_->moving() || !axes_->unlocked())
     throw DriveError(fmt::format("{} cannot be homed: it {}", name(),

@@ -264,7 +264,7 @@ void compare_axis(const GrblAxis& axis, Comparison& board) {
 }
 
 void compare_homing(const std::array<GrblAxis, 3>& axes, Comparison& board) {
-  if (axes[0].home == HomeReference::kTaught) return;
+  if (!is_switch(axes[0].home)) return;
   if ((board.bits(kHomingEnabled) & 1U) == 0)
     board.require(kHomingEnabled, board.bits(kHomingEnabled) | 1U, "the cell has home switches");
   unsigned directions = board.bits(kHomingDirections);

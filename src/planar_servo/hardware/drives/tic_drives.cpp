@@ -268,6 +268,14 @@ void TicDrives::halt() {
   if (!failures.empty()) throw DriveError(failures);
 }
 
+void TicDrives::forget_positions() {
+  const std::lock_guard lock(mutex_);
+  // A Tic that is told to halt takes its position for uncertain, also at rest [Tic user's guide].
+  for (Joint& joint : joints_) joint.may_move = true;
+  const std::string failures = halt_what_moves();
+  if (!failures.empty()) throw DriveError(failures);
+}
+
 std::string TicDrives::halt_what_moves() {
   std::vector<Request> requests;
   for (std::size_t i = 0; i < 3; ++i)

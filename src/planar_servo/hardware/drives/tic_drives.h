@@ -49,6 +49,7 @@ class TicDrives final : public DriveGroup {
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
   void halt() override;
+  void forget_positions() override;
   std::array<DriveStatus, 3> status() override;
   /// Throws DriveError when the drive has no pin for the switch or does not begin.
   void start_homing(int joint, HomeDirection direction) override;

@@ -26,7 +26,19 @@ void search_home(PlanarRobot& robot, int joint) {
 
 }  // namespace
 
-void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& beside) {
+void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::string& beside,
+                       const std::function<void()>& by_sight) {
+  if (robot.homes_by_sight() && !robot.unhomed().empty()) {
+    if (!by_sight)
+      throw DriveError(Refusal{"drives that have lost their position are homed by sight",
+                               "calibrate the cell first; until then turn them to marks and name "
+                               "these under home (reference: taught)"});
+    ask(may_home, Homing::kSearch,
+        "drives that have lost their position: the camera finds where they stand, for which they "
+        "turn a little",
+        "start with --home, which moves the arm" + beside);
+    return by_sight();
+  }
   std::vector<int> to_search, at_mark;
   std::string with_switch = "drives that have lost their position:";
   std::string with_mark = "drives that have lost their position and have no home switch:";

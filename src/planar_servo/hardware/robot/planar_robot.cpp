@@ -124,7 +124,9 @@ std::vector<int> PlanarRobot::unhomed() {
   std::vector<int> joints;
   const auto status = drives_.status();
   for (int i = 0; i < 3; ++i)
-    if (!status[static_cast<std::size_t>(i)].position_certain) joints.push_back(i);
+    if (forgotten_[static_cast<std::size_t>(i)] ||
+        !status[static_cast<std::size_t>(i)].position_certain)
+      joints.push_back(i);
   return joints;
 }
 
@@ -161,6 +163,9 @@ void PlanarRobot::search_home(int joint) {
         {fmt::format("drive {} has no home switch", joint + 1),
          fmt::format("turn it to its mark at {:.3f} deg, then say so (mark {} in planar-jog)",
                      *mark / kDegree, joint + 1)});
+  if (homes_by_sight())
+    throw DriveError(Refusal{"the drives are homed by sight, all at once",
+                             "start a program that has the cell's calibrated vision with --home"});
   throw_if_stopped();
   require_well();
   try {
@@ -179,12 +184,35 @@ void PlanarRobot::search_home(int joint) {
   if (!found.position_certain)
     throw DriveError(fmt::format("drive {} gave up its search for the home switch", joint + 1));
   drives_.set_position(joint, found.position_pulses + home_pulses(joint));
+  forgotten_[static_cast<std::size_t>(joint)] = false;
   read_positions(drives_.status());
 }
 
 void PlanarRobot::teach_home(int joint) {
   drives_.set_position(joint, home_pulses(joint));
+  forgotten_[static_cast<std::size_t>(joint)] = false;
   read_positions(drives_.status());
+}
+
+bool PlanarRobot::homes_by_sight() const {
+  return motor_drive(0).home == HomeReference::kSight;
+}
+
+void PlanarRobot::set_joints(const Joints& theta) {
+  const Pulses pulses = transmission_.pulses_from_joints(theta);
+  for (int i = 0; i < 3; ++i) drives_.set_position(i, pulses[i]);
+  forgotten_ = {};
+  read_positions(drives_.status());
+}
+
+void PlanarRobot::forget_position() {
+  try {
+    drives_.forget_positions();
+  } catch (const WorkError&) {
+    // One that cannot be told is not heard when it says where it stands.
+  }
+  forgotten_.fill(true);
+  commanded_pulses_ = {};
 }
 
 void PlanarRobot::recover(double patience_s) {
@@ -426,7 +454,8 @@ void PlanarRobot::read_positions(const Status& status) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (!status[i].answers) continue;
     commanded_pulses_[i].reset();
-    if (status[i].position_certain) commanded_pulses_[i] = status[i].position_pulses;
+    if (status[i].position_certain && !forgotten_[i])
+      commanded_pulses_[i] = status[i].position_pulses;
   }
 }
 

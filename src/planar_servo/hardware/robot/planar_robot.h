@@ -86,6 +86,14 @@ class PlanarRobot {
   /// Declares that a motor stands at its mark now.
   void teach_home(int joint);
 
+  /// Returns whether the camera says where the joints stand.
+  bool homes_by_sight() const;
+  /// Declares that the joints stand there now. Throws std::out_of_range beyond 32 bits of pulses.
+  void set_joints(const Joints& theta);
+  /// Makes the drives unsure of their positions, and plans nothing from there until they are homed
+  /// again.
+  void forget_position();
+
   /// Looks for lost drives and switches all on again after a failure, with growing pauses until it
   /// works. Throws the last DriveError when `patience_s` is over. Nothing moves. Drives that lost
   /// their position are unhomed() then.
@@ -182,7 +190,8 @@ class PlanarRobot {
   Clock& clock_;
   std::function<bool()> stop_;
   std::array<std::optional<std::int32_t>, 3> commanded_pulses_;  ///< empty while unknown
-  VelocityMove turning_;  ///< the last one, under velocity control
+  std::array<bool, 3> forgotten_{};  ///< the drive's own position counts for nothing
+  VelocityMove turning_;             ///< the last one, under velocity control
   bool velocity_control_{false};
   Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
   double seen_s_{0.0};

@@ -124,6 +124,32 @@ std::optional<std::string> refusal_through(const JointPlanner& planner,
   return std::nullopt;
 }
 
+/// Returns the same pose with motor 1 on other turns, for a way that is longer than a correction.
+std::vector<Joints> other_turns(const Transmission& transmission, const Joints& from,
+                                const Joints& theta) {
+  constexpr double kLong = 20.0 * kDegree;
+  const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
+  const Eigen::Vector3d way = motors - transmission.motors_from_joints(from);
+  if (way.head<2>().cwiseAbs().maxCoeff() < kLong) return {};
+  std::vector<Joints> turns;
+  for (const double turn : {-2.0 * kPi, 2.0 * kPi}) {
+    const Joints turned = transmission.joints_from_motors(motors + turn * Eigen::Vector3d::UnitX());
+    if (!transmission.limit_violation(turned)) turns.push_back(turned);
+  }
+  return turns;
+}
+
+/// Returns the stops of a way round to a place; empty where there is none.
+std::vector<Joints> stops_round(const JointPlanner& planner, const ServoSettings& settings,
+                                const Joints& from, const Joints& theta) {
+  const std::vector<Joints> approach = approach_stops(planner.transmission(), settings, theta);
+  std::vector<Joints> stops = planner.way_round(from, approach.front());
+  const std::vector<Joints> rest(approach.begin() + 1, approach.end());
+  if (stops.empty() || refusal_through(planner, rest, approach.front())) return {};
+  stops.insert(stops.end(), rest.begin(), rest.end());
+  return stops;
+}
+
 }  // namespace
 
 ApproachWay approach_way(const JointPlanner& planner, const ServoSettings& settings,
@@ -132,11 +158,14 @@ ApproachWay approach_way(const JointPlanner& planner, const ServoSettings& setti
   const std::vector<Joints> straight = approach_stops(planner.transmission(), settings, theta);
   const auto barred = refusal_through(planner, straight, from);
   if (!barred) return {straight};
-  std::vector<Joints> round = planner.way_round(from, straight.front());
-  const std::vector<Joints> rest(straight.begin() + 1, straight.end());
-  if (round.empty() || refusal_through(planner, rest, straight.front())) return {{}, barred};
-  round.insert(round.end(), rest.begin(), rest.end());
-  return {round, {}, barred};
+  if (!planner.has_barriers()) return {{}, barred};
+  std::vector<Joints> ends{theta};
+  for (const Joints& turned : other_turns(planner.transmission(), from, theta))
+    ends.push_back(turned);
+  for (const Joints& end : ends)
+    if (std::vector<Joints> stops = stops_round(planner, settings, from, end); !stops.empty())
+      return {stops, {}, barred};
+  return {{}, barred};
 }
 
 double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings) {

@@ -23,15 +23,15 @@ std::vector<Joints> approach_stops(const Transmission& transmission, const Servo
                                    const Joints& theta);
 /// The rests of a way to a place, or why there is none.
 struct ApproachWay {
-  std::vector<Joints> stops;            ///< the last is the place; valid without a refusal
+  std::vector<Joints> stops;  ///< the last is at the place; valid without a refusal
   std::optional<std::string> refusal{};
   /// Why the straight way is barred, where the way goes round.
   std::optional<std::string> barred{};
 };
 
-/// Returns the way by which an arm that rests at `from` arrives at `theta`: straight, or round
-/// what it must not touch. Refused are places that the planner forbids and those to which no way
-/// leads.
+/// Returns the way by which an arm that rests at `from` arrives at `theta`: straight, or round the
+/// barriers, where motor 1 may end on another turn. Refused are places that the planner forbids and
+/// those to which no way leads.
 ApproachWay approach_way(const JointPlanner& planner, const ServoSettings& settings,
                          const Joints& from, const Joints& theta);
 
@@ -41,7 +41,6 @@ inline std::optional<std::string> approach_refusal(const JointPlanner& planner,
                                                    const Joints& from, const Joints& theta) {
   return approach_way(planner, settings, from, theta).refusal;
 }
-
 
 /// Returns by how much play may move the end point when motors arrive from either side, metres: the
 /// settings' approach margin, which exceeds the play, at full reach.

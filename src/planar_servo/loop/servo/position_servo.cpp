@@ -120,7 +120,9 @@ PositionServo::PositionServo(const ServoSettings& settings, const GuardLimits& l
   if (landings != nullptr) estimator_.emplace(*landings, play_m);
 }
 
-ServoResult PositionServo::move_to(const TipPose& target, const Observer& observer) {
+ServoResult PositionServo::move_to(const TipPose& target, const Observer& observer,
+                                   const Eigen::Vector2d& p_TE) {
+  p_TE_ = p_TE;
   const double start_s = clock_.now_s();
   ServoResult result;
   result.target = target;
@@ -198,8 +200,10 @@ ServoStep PositionServo::measure(const TipPose& target, int iteration) {
   TipMeasurement& measurement = step.measurement;
   if (measurement.ok() && !measurement.tip.p.allFinite())
     measurement = failed_look(TipStatus::kNotFinite, "not_finite", measurement.t_s);
-  step.error = target.p - measurement.tip.p;
   step.turn_error = wrap_angle(target.phi - measurement.tip.phi);
+  if (measurement.ok() && !p_TE_.isZero() && points_right(step))
+    step.target.p += (rotation2d(target.phi) - rotation2d(measurement.tip.phi)) * p_TE_;
+  step.error = step.target.p - measurement.tip.p;
   step.stop_below_m = std::max(settings_.tolerance_m, pulse_size_m());
   if (!estimator_) step.stop_below_m = std::max(step.stop_below_m, 2.0 * measurement.noise_m);
   return step;
@@ -260,7 +264,7 @@ JointPlan PositionServo::corrected_joints(const ServoStep& step) const {
   if (correction.status != LawStatus::kOk) return {{}, describe(correction.status)};
   Joints theta = step.theta_c;
   theta.head<2>() += correction.delta_theta;
-  theta[2] += planner_.arm().sense() * step.turn_error;
+  if (p_TE_.isZero() || !points_right(step)) theta[2] += planner_.arm().sense() * step.turn_error;
   return {theta, std::nullopt};
 }
 

@@ -77,7 +77,12 @@ class PositionServo {
   /// Moves to a target and reports every step to `observer`. Throws std::invalid_argument for a
   /// target that is not finite and WorkError when a drive fails. Every other outcome is in the
   /// result.
-  ServoResult move_to(const TipPose& target, const Observer& observer = {});
+  ///
+  /// `target` is where P and the tool's direction are wanted. Where the tip `p_TE` of a tool is
+  /// what matters, P follows the direction as it is seen: a direction that is right within its
+  /// tolerance is not turned, and P is placed so that the tip is at its target all the same.
+  ServoResult move_to(const TipPose& target, const Observer& observer = {},
+                      const Eigen::Vector2d& p_TE = Eigen::Vector2d::Zero());
 
  private:
   void begin_target();
@@ -110,6 +115,7 @@ class PositionServo {
   Clock& clock_;
   LandingModel* landings_;
   std::optional<LandingEstimator> estimator_;
+  Eigen::Vector2d p_TE_{0.0, 0.0};        ///< of the present target
   double arrived_s_{0.0};                 ///< when the last motion came to rest
   std::optional<GuardedLook> last_look_;  ///< the last one that was not doubted
 };

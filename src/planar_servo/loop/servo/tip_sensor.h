@@ -36,7 +36,8 @@ struct TipMeasurement {
   double noise_m{0.0};
   /// The standard uncertainty per axis of tip.p, of vision and map together.
   double uncertainty_m{0.0};
-  bool inside_map{true};  ///< also true when no map is used
+  double turn_sigma{0.0};  ///< of tip.phi, by the frames' noise, radians
+  bool inside_map{true};   ///< also true when no map is used
 
   /// Returns true when the position is valid.
   bool ok() const { return status == TipStatus::kOk; }

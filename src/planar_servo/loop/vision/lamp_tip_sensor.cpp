@@ -158,6 +158,7 @@ TipMeasurement LampTipSensor::position(const Observation& seen, double t_s) cons
   measurement.correction = place->error.error;
   measurement.tip = place->tip();
   measurement.inside_map = place->error.inside;
+  measurement.turn_sigma = place->seen.sigma_phi;
   measurement.noise_m = per_axis(place->seen.noise);
   measurement.uncertainty_m = std::hypot(place->error.sigma, per_axis(place->seen.covariance));
   return measurement;

@@ -141,10 +141,12 @@ struct BoardTruth {
 
 enum class MarkShape { kBrightDisc, kDarkDisc, kRing, kCross, kChessCorner, kAprilTag };
 
-constexpr Named<MarkShape> kMarkShapes[] = {
-    {MarkShape::kBrightDisc, "bright_disc"},   {MarkShape::kDarkDisc, "dark_disc"},
-    {MarkShape::kRing, "ring"},                {MarkShape::kCross, "cross"},
-    {MarkShape::kChessCorner, "chess_corner"}, {MarkShape::kAprilTag, "apriltag"}};
+constexpr Named<MarkShape> kMarkShapes[] = {{MarkShape::kBrightDisc, "bright_disc"},
+                                            {MarkShape::kDarkDisc, "dark_disc"},
+                                            {MarkShape::kRing, "ring"},
+                                            {MarkShape::kCross, "cross"},
+                                            {MarkShape::kChessCorner, "chess_corner"},
+                                            {MarkShape::kAprilTag, "apriltag"}};
 
 /// A mark on a workpiece. Sizes are from edge to edge.
 struct WorkMarkTruth {

@@ -129,6 +129,10 @@ void JogArm::require_ready() {
 }
 
 std::string JogArm::how_to_home() {
+  if (robot_.homes_by_sight())
+    return robot_.unhomed().empty() ? ""
+                                    : "the camera finds where they stand when planar-check-cell "
+                                      "or planar-servo is started with --home";
   std::vector<std::string> to_search, ways;
   for (const int joint : robot_.unhomed()) {
     if (const auto mark = robot_.home_mark(joint))

@@ -249,7 +249,7 @@ std::string JogConsole::perform(const TeachCommand& command) {
   }
   const TipMeasurement seen = measure();
   if (!seen.ok()) throw WorkError("nothing was taught; the tool is not measured: " + seen.word);
-  taught_->append({command.id, seen.tip.p, commanded.phi});
+  taught_->append({command.id, seen.tip.p, seen.tip.phi});
   return fmt::format("taught {} at {} as seen", command.id, place_mm(seen.tip.p));
 }
 

@@ -15,6 +15,7 @@
 #include "planar_servo/loop/health/arm_check.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/vision/see_tool.h"
+#include "planar_servo/work/homing/sight_homing.h"
 
 namespace planar {
 namespace {
@@ -392,9 +393,9 @@ std::vector<HealthFinding> check_devices(const CalibratedCell& cell, CellDevices
                     devices.drives(), devices.clock());
   robot.stop_when(stop);
   robot.energize();
-  home_where_needed(robot, may_home);
   LampTipSensor sensor(*cell.vision, settings.lamps.method, devices.camera(),
                        settings.camera.follow_region_px);
+  home_where_needed(robot, may_home, "", [&] { home_by_sight(cell, robot, sensor, may_home); });
   CellCheck check(cell, robot, sensor, devices.clock(), [&](const std::string& reason) {
     return wait_for_camera(devices.camera(), robot, devices.clock(), "the check", reason,
                            devices.clock().now_s() + kCameraPatience_s);

@@ -10,6 +10,7 @@
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/geometry/tool/tool_tip.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 
@@ -136,6 +137,11 @@ TipPose target_pose(const TargetRow& target, double tool_orientation) {
   return {target.p_d, target.phi_d.value_or(tool_orientation)};
 }
 
+TipPose end_point_pose(const TargetRow& target, double tool_orientation) {
+  const TipPose tip = target_pose(target, tool_orientation);
+  return {end_point_for(tip.p, tip.phi, target.p_TE), tip.phi};
+}
+
 DryRun::DryRun(const CalibratedCell& cell, const Joints& start)
     : tool_orientation_(cell.settings.tool_orientation),
       planner_(cell.planner),
@@ -145,7 +151,7 @@ DryRun::DryRun(const CalibratedCell& cell, const Joints& start)
 }
 
 DryRunRow DryRun::first_move(const TargetRow& target) {
-  DryRunRow row{target.id, planner_.plan(target_pose(target, tool_orientation_), near_),
+  DryRunRow row{target.id, planner_.plan(end_point_pose(target, tool_orientation_), near_),
                 Pulses::Zero()};
   if (row.plan.refusal) return row;
   const ApproachWay way = approach_way(planner_, servo_, near_, row.plan.theta);
@@ -157,7 +163,7 @@ DryRunRow DryRun::first_move(const TargetRow& target) {
     row.way_B.insert(row.way_B.end(), drawn.begin(), drawn.end());
     from = stop;
   }
-  near_ = row.plan.theta;
+  near_ = row.plan.theta = way.stops.back();
   row.pulses = planner_.transmission().pulses_from_joints(near_);
   return row;
 }
@@ -167,7 +173,7 @@ void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRo
   const VisionCalibration& vision = cell.vision.value();
   if (!vision.error_map) return;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const TipPose target = target_pose(targets[i], cell.settings.tool_orientation);
+    const TipPose target = end_point_pose(targets[i], cell.settings.tool_orientation);
     if (rows[i].plan.refusal || predict_error_at(vision, target).inside) continue;
     rows[i].plan.refusal =
         "the error map is not valid here: record training positions around this target";

@@ -91,6 +91,8 @@ class DryRun {
 
 /// Returns the pose of a target. One that names no direction takes `tool_orientation` (radians).
 TipPose target_pose(const TargetRow& target, double tool_orientation);
+/// Returns where the end point P is to be for the tip of the target's tool to be there.
+TipPose end_point_pose(const TargetRow& target, double tool_orientation);
 
 /// Refuses the targets of these rows at which the error map, if there is one, is not valid.
 void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRow>& targets,

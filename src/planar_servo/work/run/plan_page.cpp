@@ -29,20 +29,48 @@ Points circle(const Eigen::Vector2d& center, double radius_m) {
   return points;
 }
 
+constexpr const char* kWay = "#999";
+constexpr const char* kObstacle = "#333";
+
+/// Draws lines as far as they lie within the axes; their points are close together.
+void add_within(Panel& panel, const FieldAxes& axes, const Points& points_mm, Panel::Stroke stroke,
+                const char* color) {
+  Points run;
+  const auto end_run = [&] {
+    if (run.size() > 1) panel.add_line(run, stroke, color);
+    run.clear();
+  };
+  for (const Eigen::Vector2d& p : points_mm) {
+    if (p.x() >= axes.x.from && p.x() <= axes.x.to && p.y() >= axes.y.from && p.y() <= axes.y.to)
+      run.push_back(p);
+    else
+      end_run();
+  }
+  end_run();
+}
+
+/// Returns the outline of a barrier in points that are close together.
+Points outline_of(const Barrier& barrier) {
+  if (barrier.corners_B.size() == 1) return circle(barrier.corners_B[0], barrier.radius_m);
+  constexpr int kPieces = 20;
+  Points outline;
+  for (std::size_t i = 0; i < barrier.corners_B.size(); ++i) {
+    const Eigen::Vector2d &a = barrier.corners_B[i],
+                          &b = barrier.corners_B[(i + 1) % barrier.corners_B.size()];
+    for (int k = 0; k <= kPieces; ++k) outline.emplace_back(a + (b - a) * k / kPieces);
+  }
+  return outline;
+}
+
 /// Returns a panel over these places, in it what the workspace forbids.
-Panel panel_over(const std::string& title, const Points& places, const Workspace& workspace) {
-  const FieldAxes axes = axes_over_places(in_mm(places));
+Panel panel_over(const std::string& title, const FieldAxes& axes, const Workspace& workspace) {
   Panel panel(title, axes.x, axes.y, Panel::Aspect::kEqual);
   for (const Border& border : workspace.borders())
     if (border.radius_m > 0.0)
-      panel.add_line(in_mm(circle(border.p_B, border.radius_m)), Panel::Stroke::kDashed, kBarred);
-  for (const Barrier& barrier : workspace.barriers) {
-    Points outline = barrier.corners_B.size() == 1
-                         ? circle(barrier.corners_B[0], barrier.radius_m)
-                         : barrier.corners_B;
-    outline.push_back(outline.front());
-    panel.add_line(in_mm(outline), Panel::Stroke::kSolid, kBarred);
-  }
+      add_within(panel, axes, in_mm(circle(border.p_B, border.radius_m)), Panel::Stroke::kDashed,
+                 kBarred);
+  for (const Barrier& barrier : workspace.barriers)
+    add_within(panel, axes, in_mm(outline_of(barrier)), Panel::Stroke::kSolid, kObstacle);
   return panel;
 }
 
@@ -50,13 +78,15 @@ Panel panel_over(const std::string& title, const Points& places, const Workspace
 template <typename Draw, typename Explain>
 std::string panels_html(const Points& places, const Workspace& workspace, const Draw& draw,
                         const Explain& explain) {
-  Panel whole =
-      panel_over("In the workspace", circle({0.0, 0.0}, workspace.radius_max_m), workspace);
-  Panel near = panel_over("By itself", places, workspace);
-  draw(whole);
-  draw(near);
+  const FieldAxes all = axes_over_places(in_mm(circle({0.0, 0.0}, workspace.radius_max_m)));
+  const FieldAxes close = axes_over_places(in_mm(places));
+  Panel whole = panel_over("In the workspace", all, workspace);
+  Panel near = panel_over("By itself", close, workspace);
+  draw(whole, all);
+  draw(near, close);
   explain(whole);
-  whole.add_key(kBarred, "borders of workspace, keep-out discs and obstacles", Panel::Sample::kLine);
+  whole.add_key(kBarred, "borders and keep-out discs", Panel::Sample::kLine);
+  if (!workspace.barriers.empty()) whole.add_key(kObstacle, "obstacles", Panel::Sample::kLine);
   return plot_html({whole, near});
 }
 
@@ -74,7 +104,7 @@ std::string plan_page(const Workspace& workspace, const std::filesystem::path& f
   const Points places = drawn_places(path);
   page.add_html(panels_html(
       places, workspace,
-      [&](Panel& panel) {
+      [&](Panel& panel, const FieldAxes& /*axes*/) {
         panel.add_line(in_mm(places), Panel::Stroke::kSolid, kSeriesColors[0]);
         panel.add_dots(in_mm({places.front()}), {kSeriesColors[2]}, 4.0);
       },
@@ -99,14 +129,14 @@ std::string plan_page(const Workspace& workspace, const std::filesystem::path& f
   }
   page.add_html(panels_html(
       all, workspace,
-      [&](Panel& panel) {
-        if (!way.empty()) panel.add_line(in_mm(way), Panel::Stroke::kSolid, "#bbb");
+      [&](Panel& panel, const FieldAxes& axes) {
+        add_within(panel, axes, in_mm(way), Panel::Stroke::kSolid, kWay);
         panel.add_dots(in_mm(all), {kSeriesColors[0]}, 3.0);
         panel.add_dots(in_mm(refused), {kSeriesColors[3]}, 4.0);
       },
       [&](Panel& panel) {
         panel.add_key(kSeriesColors[0], "targets");
-        panel.add_key("#bbb", "the end point's way to them, in their order", Panel::Sample::kLine);
+        panel.add_key(kWay, "the end point's way to them", Panel::Sample::kLine);
         if (!refused.empty()) panel.add_key(kSeriesColors[3], "refused");
       }));
   TextTable table("Targets", {"target", "x mm", "y mm", "refused because"});

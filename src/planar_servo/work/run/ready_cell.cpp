@@ -16,6 +16,7 @@
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/vision/found_landings.h"
 #include "planar_servo/loop/vision/see_tool.h"
+#include "planar_servo/work/homing/sight_homing.h"
 #include "planar_servo/work/run/cell_check.h"
 
 namespace planar {
@@ -172,7 +173,7 @@ void ReadyCell::switch_on() {
 }
 
 std::optional<std::string> ReadyCell::examine_if_due() {
-  if (!robot_.known_joints()) home_where_needed(robot_, may_home_, kResume);
+  if (!robot_.known_joints()) home();
   if (!examined_s_) {
     if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
     begun_at_ = robot_.known_pulses();
@@ -180,6 +181,11 @@ std::optional<std::string> ReadyCell::examine_if_due() {
   }
   if (!was_examined_s_ago(kExamineEvery_s)) return std::nullopt;
   return examine();
+}
+
+void ReadyCell::home() {
+  home_where_needed(robot_, may_home_, kResume,
+                    [&] { home_by_sight(*cell_, robot_, sensor_, may_home_); });
 }
 
 bool ReadyCell::has_moved_on() const {
@@ -245,7 +251,7 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
-  home_where_needed(robot_, may_home_, kResume);
+  home();
   spdlog::info(fmt::format("{}: the drives are ready again; resuming", id));
 }
 

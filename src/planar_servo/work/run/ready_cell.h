@@ -155,6 +155,7 @@ class ReadyCell {
   const std::optional<std::string>& accepted_map() const { return accepted_map_; }
 
  private:
+  void home();
   bool was_examined_s_ago(double seconds) const;
   /// Returns what is not well; logs when nothing is known of the cell's health.
   std::string examine();

@@ -30,8 +30,8 @@ std::optional<Coverage> coverage_of(const std::vector<TargetResult>& results) {
     const auto& believed = result.believed ? result.believed : result.vision_compensated;
     if (!believed || !result.uncertainty_m) continue;
     // The judge knows where the base frame is, not where the work lies in it.
-    const double own_m = std::sqrt(std::max(0.0, std::pow(*result.uncertainty_m, 2) -
-                                                     std::pow(result.sigma_target_m, 2)));
+    const double own_m = std::sqrt(
+        std::max(0.0, std::pow(*result.uncertainty_m, 2) - std::pow(result.sigma_target_m, 2)));
     const double sigma = std::hypot(own_m, result.sigma_judged_m.value_or(0.0));
     coverage.within += static_cast<int>((believed->array().abs() < kSigmas * sigma).count());
     coverage.all += 2;

@@ -20,13 +20,15 @@ TargetScorer::TargetScorer(const TargetRow& target, GrowingFile* steps, Judge* j
   result_.id = target.id;
   result_.p_d = target.p_d;
   result_.sigma_target_m = target.sigma_m;
+  p_TE_ = target.p_TE;
 }
 
 void TargetScorer::observe(const ServoStep& step) {
   if (steps_ != nullptr) steps_->append(step_line(result_.id, step));
   if (step.measurement.ok()) {
     result_.after_own = -step.error;
-    result_.uncertainty_m = std::hypot(step.uncertainty_m(), result_.sigma_target_m);
+    result_.uncertainty_m = std::hypot(step.uncertainty_m(), result_.sigma_target_m,
+                                       p_TE_.norm() * step.measurement.turn_sigma);
   }
   const bool is_first = step.iteration == 0 && !result_.before_own;
   look_ = step;
@@ -35,7 +37,7 @@ void TargetScorer::observe(const ServoStep& step) {
   if (is_first) result_.before_own = result_.after_own;
   if (!judge_ || !(is_first || judges_every_look())) return;
   judged_ = judgement();
-  if (is_first && judged_->p) result_.before_judged = *judged_->p - result_.p_d;
+  if (is_first && judged_->p) result_.before_judged = judged_tip() - result_.p_d;
   if (judges_every_look()) take_judgement();
 }
 
@@ -63,11 +65,17 @@ JudgedTip TargetScorer::judgement() {
   return tip;
 }
 
+Eigen::Vector2d TargetScorer::judged_tip() const {
+  const double phi = judged_->phi.value_or(look_->measurement.ok() ? look_->measurement.tip.phi
+                                                                   : look_->target.phi);
+  return *judged_->p + rotation2d(phi) * p_TE_;
+}
+
 void TargetScorer::take_judgement() {
   result_.not_judged = judged_->fault;
   if (!judged_->p) return;
   const Eigen::Vector2d& p = *judged_->p;
-  result_.after_judged = p - result_.p_d;
+  result_.after_judged = judged_tip() - result_.p_d;
   if (judge_->kind() == JudgeKind::kTracker) result_.sigma_judged_m = judged_->sigma;
   const TipMeasurement& seen = look_->measurement;
   if (!seen.ok()) return;
@@ -121,8 +129,8 @@ ServoRun::~ServoRun() {
 }
 
 ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
-  const TipPose pose = target_pose(target, cell_.settings().tool_orientation);
-  return cell_.servo().move_to(pose, [&](const ServoStep& step) {
+  const TipPose pose = end_point_pose(target, cell_.settings().tool_orientation);
+  const auto observer = [&](const ServoStep& step) {
     scorer.observe(step);
     spdlog::debug(fmt::format("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm",
                               target.id, step.iteration, mm(step.miss_m()), mm(step.stop_below_m)));
@@ -131,7 +139,8 @@ ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
     const LampTipSensor& sensor = cell_.sensor();
     observer_({target.id, step, sensor.last_frame(),
                sensor.lamps_at({wanted.p + step.measurement.correction, wanted.phi})});
-  });
+  };
+  return cell_.servo().move_to(pose, observer, target.p_TE);
 }
 
 ServoResult ServoRun::attempts(const TargetRow& target, TargetScorer& scorer) {

@@ -38,12 +38,15 @@ class TargetScorer {
   bool judges_every_look() const;
   JudgedTip judgement();
   void take_judgement();
+  /// Returns where the judge sees the tip of the target's tool.
+  Eigen::Vector2d judged_tip() const;
 
   GrowingFile* steps_;
   Judge* judge_;
   const Clock& clock_;
   double judging_s_{0.0};
   TargetResult result_;
+  Eigen::Vector2d p_TE_{0.0, 0.0};
   std::optional<ServoStep> look_;    ///< the last one; not every look measures the tool
   std::optional<JudgedTip> judged_;  ///< where the last look was, once it was judged
 };
@@ -123,7 +126,7 @@ class ServoRun {
   std::optional<std::string> ended_by_;
   ReadyCell cell_;
   std::optional<WorkWatch> works_;  ///< none where targets lie on no work
-  std::optional<RunFiles> files_;  ///< none where the request names no folder
+  std::optional<RunFiles> files_;   ///< none where the request names no folder
   std::vector<TargetResult> results_;
   std::size_t results_before_;
   std::size_t well_until_;  ///< number of results when the cell was last found well

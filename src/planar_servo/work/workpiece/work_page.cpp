@@ -48,7 +48,8 @@ Eigen::Matrix<double, 3, 2> drawing_to_picture(const FoundWork& work) {
     uv_px.col(i) = work.fiducials[static_cast<std::size_t>(i)].uv_px;
   }
   // The camera looks down: y of the picture points against y of the drawing.
-  const double scale = (uv_px.col(n - 1) - uv_px.col(0)).norm() / (p_W.col(n - 1) - p_W.col(0)).norm();
+  const double scale =
+      (uv_px.col(n - 1) - uv_px.col(0)).norm() / (p_W.col(n - 1) - p_W.col(0)).norm();
   Eigen::Matrix2Xd flipped = scale * p_W;
   flipped.row(1) *= -1.0;
   const Eigen::Isometry2d X = fit_rigid_2d(uv_px, flipped);
@@ -100,8 +101,7 @@ std::string picture_svg(const FoundWork& work, const cv::Mat& image) {
   }
   for (const FoundFiducial& mark : work.fiducials) {
     const Eigen::Vector2d place = at(mark.uv_px);
-    const double radius =
-        4.0 + 0.6 * scale * mark.fiducial.size * map.row(1).norm();
+    const double radius = 4.0 + 0.6 * scale * mark.fiducial.size * map.row(1).norm();
     svg += fmt::format(
         "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"none\" stroke=\"#ffd740\" "
         "stroke-width=\"2\"/>",

@@ -66,8 +66,7 @@ std::string WorkWatch::examine() {
   std::string hidden;
   for (const FoundWork& work : works_.works) {
     const WorkMotion motion = look_again(frames, vision_, work);
-    if (motion.moved)
-      return *motion.moved + "; find it again with planar-find-work, then continue";
+    if (motion.moved) return *motion.moved + "; find it again with planar-find-work, then continue";
     for (const std::string& mark : motion.hidden)
       hidden += (hidden.empty() ? "" : ", ") + (work.id.empty() ? "" : work.id + "/") + mark;
     if (motion.hidden.size() == work.fiducials.size())

@@ -1,0 +1,105 @@
+#include "planar_servo/certificate/scale_bar.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/files/work_file.h"
+#include "planar_servo/report/html_page.h"
+
+namespace planar {
+
+ScaleBar read_scale_bar(const std::filesystem::path& path, double sigma) {
+  ScaleBar bar{read_work_drawing(path), 0.0, sigma};
+  if (bar.marks.size() != 2)
+    throw InputError({fmt::format("has {} marks", bar.marks.size()), "a bar has two", path});
+  bar.length = (bar.marks[1].p_W - bar.marks[0].p_W).norm();
+  return bar;
+}
+
+double ScaleBarResult::largest() const {
+  double largest = 0.0;
+  for (const LengthError& length : lengths) largest = std::max(largest, std::abs(length.error));
+  return largest;
+}
+
+std::size_t ScaleBarResult::within_95() const {
+  return static_cast<std::size_t>(std::count_if(
+      lengths.begin(), lengths.end(),
+      [](const LengthError& length) { return std::abs(length.error) < 1.96 * length.sigma; }));
+}
+
+bool ScaleBarResult::counts() const {
+  return lengths.size() >= kLeastPlaces &&
+         binomial_tail(static_cast<int>(within_95()), static_cast<int>(lengths.size()), 0.95) >
+             kFalseAlarm;
+}
+
+void add_lengths(ScaleBarResult& result, const std::vector<Frame>& frames,
+                 const VisionCalibration& vision) {
+  for (const BarSight& seen : see_bars(frames, vision, result.bar.marks)) {
+    const Eigen::Vector2d along = seen.p_B[1] - seen.p_B[0];
+    result.lengths.push_back({0.5 * (seen.p_B[0] + seen.p_B[1]), std::atan2(along.y(), along.x()),
+                              seen.length - result.bar.length,
+                              std::hypot(seen.sigma, result.bar.sigma)});
+  }
+}
+
+std::string length_words(const LengthError& length) {
+  return fmt::format("at {}, turned by {:.0f} deg: {:+.4f} mm, +- {:.4f} mm stated",
+                     place_mm(length.middle_B), length.turn / kDegree, mm(length.error),
+                     mm(length.sigma));
+}
+
+ReportList scale_bar_list(const ScaleBarResult& result) {
+  ReportList list;
+  list.line("bar", "{bar_mm:.4f} mm, +- {bar_sigma_mm:.4f}", result.bar.length, result.bar.sigma);
+  list.line("places", "{places} places and turns of the bar", result.lengths.size());
+  list.line("length errors",
+            "up to {largest_error_mm:.4f} mm, {within_95} within their stated 95 %",
+            result.largest(), result.within_95());
+  list.rows("lengths", result.lengths, [](ReportList& row, const LengthError& length) {
+    row.unprinted("middle_mm",
+                  std::vector<double>{mm(length.middle_B.x()), mm(length.middle_B.y())});
+    row.unprinted("turn_deg", length.turn);
+    row.unprinted("error_mm", length.error);
+    row.unprinted("sigma_mm", length.sigma);
+  });
+  return list;
+}
+
+std::string scale_bar_page(const ScaleBarResult& result, const std::filesystem::path& cell) {
+  HtmlPage page("Lengths measured by " + cell.filename().string());
+  Verdict verdict{
+      fmt::format("Over {} places and turns, a length of {:.3f} mm is measured within "
+                  "{:.4f} mm",
+                  result.lengths.size(), mm(result.bar.length), mm(result.largest()))};
+  if (result.lengths.size() < ScaleBarResult::kLeastPlaces)
+    verdict.faults.push_back({fmt::format("{} places are too few", result.lengths.size()),
+                              fmt::format("lay the bar in {} or more, over the whole workspace and "
+                                          "at different turns",
+                                          ScaleBarResult::kLeastPlaces)});
+  else if (!result.counts())
+    verdict.faults.push_back(
+        {fmt::format("only {} of {} errors are within the stated 95 %", result.within_95(),
+                     result.lengths.size()),
+         "measure the bar's height (z_mm), compare its certificate and temperature, or calibrate "
+         "anew"});
+  page.add_verdict(verdict);
+  TextTable table("Length errors", {"place mm", "turn deg", "error mm", "stated deviation mm"});
+  for (const LengthError& length : result.lengths)
+    table.add_row({fixed(length.middle_B / kMillimetre, 1, ", "), fixed(length.turn / kDegree, 1),
+                   fixed(mm(length.error), 4), fixed(mm(length.sigma), 4)});
+  page.add_html(table.html());
+  page.add_paragraph(
+      "The bar was not used for the calibration. Its lengths say how well vision measures between "
+      "two places; that the arm goes where vision sees is judged by moves.");
+  return page.text();
+}
+
+}  // namespace planar

@@ -1,0 +1,250 @@
+#include "planar_servo/work/homing/sight_homing.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/units.h"
+
+namespace planar {
+namespace {
+
+using LampPlaces = std::array<Eigen::Vector2d, 2>;
+
+constexpr char kByHand[] =
+    "turn the arm by hand to where both lamps are in view, well inside its limits and workspace, "
+    "and start again, or turn it to its marks and start with --at-marks";
+/// What takes up the play of a gear, and the turn that is then looked at.
+constexpr double kTakeUp = 0.3 * kDegree, kTestTurn = 0.7 * kDegree;
+/// Joint 3's turn that tells which lamp is which, where the end point is not midway between them:
+/// the middle moves by 2.8 times its distance from there in opposite senses. Half a turn would tell
+/// most, but limits of whole turns never allow it for both.
+constexpr double kQuarter = 90.0 * kDegree;
+/// Looks that are averaged: the air moves a single one by a few hundredths of a pixel.
+constexpr int kLooks = 4;
+
+/// Returns the lamps' places, averaged. Throws WorkError when they are not seen.
+LampPlaces seen_places(LampTipSensor& sensor, const VisionCalibration& vision) {
+  LampPlaces sum{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  std::optional<LampPlaces> first;
+  for (int i = 0; i < kLooks; ++i) {
+    auto seen = sensor.look_around();
+    if (!seen)
+      throw WorkError(
+          Refusal{"the two lamps are not seen, so that the arm cannot be homed by sight", kByHand});
+    if (!first) first = seen;
+    if (((*seen)[0] - (*first)[0]).norm() > ((*seen)[1] - (*first)[0]).norm())
+      std::swap((*seen)[0], (*seen)[1]);
+    for (std::size_t k = 0; k < 2; ++k) sum[k] += (*seen)[k] / kLooks;
+  }
+  // A map at the end point errs alike wherever joint 3 turns the lamps.
+  const auto* field = vision.error_map ? std::get_if<LampField>(&*vision.error_map) : nullptr;
+  return field != nullptr ? compensate(*field, sum).lamps_B : sum;
+}
+
+Eigen::Vector2d middle_of(const LampPlaces& lamps) {
+  return 0.5 * (lamps[0] + lamps[1]);
+}
+
+class SightHoming {
+ public:
+  SightHoming(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor& sensor)
+      : cell_(cell), robot_(robot), sensor_(sensor), seen_(seen_places(sensor, *cell.vision)) {
+    left_ = posture_candidates(cell, seen_);
+    if (left_.empty())
+      throw WorkError(
+          Refusal{"no posture within the limits has its lamps where they are seen",
+                  "compare the links' lengths and limits in the cell file with the arm"});
+  }
+
+  /// Turns joints until one posture is left, and returns it.
+  PostureCandidate single_posture() {
+    tell_apart(
+        1, kTakeUp, kTestTurn, [](const PostureCandidate& c) { return c.elbow; },
+        "the elbow's side");
+    tell_apart(
+        2, 0.0, kQuarter, [](const PostureCandidate& c) { return c.exchanged; },
+        "which lamp is which");
+    return left_.front();
+  }
+
+ private:
+  /// Turns a motor where candidates differ in a property, and keeps those that moved as seen.
+  template <typename Property>
+  void tell_apart(int motor, double take_up, double turn, const Property& property,
+                  const char* what) {
+    const bool differ = std::any_of(left_.begin(), left_.end(), [&](const PostureCandidate& c) {
+      return property(c) != property(left_.front());
+    });
+    if (!differ) return;
+    const double sign = allowed_sign(motor, take_up + turn, what);
+    if (take_up > 0.0) move(motor, sign * take_up);
+    const Eigen::Vector2d before = middle_of(seen_);
+    const std::vector<PostureCandidate> then = left_;
+    move(motor, sign * turn);
+    keep_those_that_moved(then, middle_of(seen_) - before, what);
+  }
+
+  /// Turns a motor and lets all candidates follow.
+  void move(int motor, double turn) {
+    robot_.set_joints(left_.front().theta);
+    for (PostureCandidate& candidate : left_)
+      candidate.theta = turned(candidate.theta, motor, turn);
+    spdlog::info(
+        fmt::format("homing by sight: motor {} turns by {:.1f} deg", motor + 1, turn / kDegree));
+    if (const auto objection = robot_.move_to(left_.front().theta, [&] { return sensor_.fault(); }))
+      throw WorkError(*objection);
+    seen_ = seen_places(sensor_, *cell_.vision);
+  }
+
+  void keep_those_that_moved(const std::vector<PostureCandidate>& then, const Eigen::Vector2d& seen,
+                             const char* what) {
+    // A gear may turn by this share more or less within a small angle; looks scatter by this much.
+    constexpr double kGearShare = 0.05, kScatter_m = 20e-6;
+    const auto predicted = [&](std::size_t i) {
+      return Eigen::Vector2d(middle_at(left_[i]) - middle_at(then[i]));
+    };
+    std::vector<double> misses;
+    for (std::size_t i = 0; i < left_.size(); ++i) misses.push_back((seen - predicted(i)).norm());
+    const auto best =
+        static_cast<std::size_t>(std::min_element(misses.begin(), misses.end()) - misses.begin());
+    const double allowed = kScatter_m + kGearShare * predicted(best).norm();
+    std::vector<PostureCandidate> kept;
+    double next = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      if ((predicted(i) - predicted(best)).norm() < kScatter_m)
+        kept.push_back(left_[i]);
+      else
+        next = std::min(next, misses[i]);
+    }
+    if (misses[best] > allowed || next < 2.0 * allowed)
+      throw WorkError(
+          {fmt::format("homing by sight leaves a doubt about {}: the lamps moved by {:.3f} mm, "
+                       "{:.3f} mm from what one posture says and {:.3f} mm from what another does",
+                       what, mm(seen.norm()), mm(misses[best]), mm(next)),
+           kByHand});
+    left_ = std::move(kept);
+  }
+
+  /// Returns where the middle of the lamps is in a posture.
+  Eigen::Vector2d middle_at(const PostureCandidate& candidate) const {
+    return middle_of(lamps_at(*cell_.vision, cell_.planner.arm().forward(candidate.theta)));
+  }
+
+  Joints turned(const Joints& theta, int motor, double turn) const {
+    const Transmission& transmission = cell_.planner.transmission();
+    return transmission.joints_from_motors(transmission.motors_from_joints(theta) +
+                                           turn * Eigen::Vector3d::Unit(motor));
+  }
+
+  /// Returns the sense in which all postures may make a turn.
+  double allowed_sign(int motor, double turn, const char* what) const {
+    for (const double sign : {1.0, -1.0})
+      if (std::all_of(left_.begin(), left_.end(), [&](const PostureCandidate& candidate) {
+            return may_turn(candidate.theta, motor, sign * turn);
+          }))
+        return sign;
+    throw WorkError({fmt::format("{} cannot be told: motor {} may turn by {:.0f} deg in neither "
+                                 "sense in every posture that is possible",
+                                 what, motor + 1, turn / kDegree),
+                     kByHand});
+  }
+
+  bool may_turn(const Joints& theta, int motor, double turn) const {
+    const Joints end = turned(theta, motor, turn);
+    if (cell_.planner.way_refusal(theta, end)) return false;
+    const Eigen::Vector2d limits =
+        cell_.settings.transmission.limits_rad[static_cast<std::size_t>(motor)];
+    const double angle = cell_.planner.transmission().motors_from_joints(theta)[motor];
+    // Nobody knows on which of its turns the motor stands.
+    const double whole = 2.0 * kPi;
+    const double highest = angle + whole * std::floor((limits[1] - angle) / whole);
+    const double lowest = angle - whole * std::floor((angle - limits[0]) / whole);
+    return highest + turn <= limits[1] && lowest + turn >= limits[0];
+  }
+
+  const CalibratedCell& cell_;
+  PlanarRobot& robot_;
+  LampTipSensor& sensor_;
+  LampPlaces seen_;
+  std::vector<PostureCandidate> left_;
+};
+
+/// Says on which turns motors may stand; empty where the limits leave one for each.
+std::string turns_text(const CalibratedCell& cell, const Joints& theta) {
+  const Eigen::Vector3d motors = cell.planner.transmission().motors_from_joints(theta);
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d limits =
+        cell.settings.transmission.limits_rad[static_cast<std::size_t>(i)];
+    const double below = std::floor((motors[i] - limits[0]) / (2.0 * kPi));
+    const double above = std::floor((limits[1] - motors[i]) / (2.0 * kPi));
+    if (below + above == 0.0) continue;
+    text += fmt::format("{}motor {} stands at {:.1f} deg, or whole turns from there",
+                        text.empty() ? "" : ", ", i + 1, motors[i] / kDegree);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<PostureCandidate> posture_candidates(const CalibratedCell& cell,
+                                                 const std::array<Eigen::Vector2d, 2>& lamps_B) {
+  std::vector<PostureCandidate> candidates;
+  for (const bool exchanged : {false, true}) {
+    const TipPose tip = tip_from_places({lamps_B[exchanged ? 1 : 0], lamps_B[exchanged ? 0 : 1]},
+                                        cell.vision->tool);
+    for (const Elbow elbow : {Elbow::kLeft, Elbow::kRight}) {
+      const InverseResult inverse = cell.planner.arm().inverse(tip, elbow, cell.settings.arm.home);
+      if (inverse.status != ReachStatus::kOk) continue;
+      const auto theta = cell.planner.transmission().branch_within_limits(
+          inverse.theta, cell.settings.arm.home, {});
+      if (theta) candidates.push_back({*theta, elbow, exchanged});
+    }
+  }
+  return candidates;
+}
+
+namespace {
+
+/// Returns the joints at which the arm is seen, by the arm as it was found where it has the elbow
+/// that was found with it.
+Joints joints_seen(const CalibratedCell& cell, const PostureCandidate& posture,
+                   LampTipSensor& sensor) {
+  const TipMeasurement seen = sensor.measure(cell.planner.arm().forward(posture.theta),
+                                             cell.settings.servo.frames_per_measurement);
+  if (!seen.ok())
+    throw WorkError({"the lamps are lost after homing by sight: " + seen.word, kByHand});
+  constexpr double kSamePosture = 5.0 * kDegree;
+  if (posture.elbow == cell.settings.arm.elbow) {
+    const Joints theta = cell.planner.plan(seen.tip, posture.theta).theta;
+    if ((theta - posture.theta).norm() < kSamePosture) return theta;
+  }
+  const InverseResult inverse = cell.planner.arm().inverse(seen.tip, posture.elbow, posture.theta);
+  return inverse.status == ReachStatus::kOk ? inverse.theta : posture.theta;
+}
+
+}  // namespace
+
+void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor& sensor,
+                   const MayHome& may_home) {
+  try {
+    const PostureCandidate posture = SightHoming(cell, robot, sensor).single_posture();
+    const Joints theta = joints_seen(cell, posture, sensor);
+    const std::string turns = turns_text(cell, theta);
+    if (!turns.empty() && (!may_home || !may_home(Homing::kTurn, turns)))
+      throw WorkError(
+          {turns, "if these are the turns on which the motors stand, start with --nearest-turn"});
+    robot.set_joints(theta);
+    spdlog::info(fmt::format("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " ")));
+  } catch (...) {
+    robot.forget_position();  // what was set on the way is a guess
+    throw;
+  }
+}
+
+}  // namespace planar

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# by_sight.sh BIN_DIR CELL_DIR: an arm whose drives know nothing finds by sight how it stands, or refuses to guess.
+source "$(dirname "$0")/common.sh"
+cp -r "$2/cell" .
+sed -i 's/direction: 1,/direction: 1, home: {reference: sight},/' cell/cell.yaml
+printf 'id,x_mm,y_mm\nA,200,100\n' >targets.csv
+servo=("$bin/planar-servo" --no-health --cell cell/cell.yaml --targets targets.csv)
+
+standing() { # standing THETA...: where the arm stands when it is switched on
+  python3 - "$@" <<'END'
+import re, sys
+text = re.sub(r"^  home_deg: .*\n", "", open("cell/truth.yaml").read(), flags=re.M)
+open("cell/truth.yaml", "w").write(text.replace("arm:\n", f"arm:\n  home_deg: [{', '.join(sys.argv[1:])}]\n", 1))
+END
+}
+n=0
+for theta in "20, 110, 40" "-60, 30, 200" "150, 260, 10" "75, -20, -130"; do
+  standing "$theta"
+  n=$((n + 1))
+  status=0
+  "${servo[@]}" --home --nearest-turn --out "run$n" >out.txt 2>err.txt || status=$?
+  # The tests' turns are 1 deg of motor 2 and 90 deg of joint 3; zeros of the arm are some 0.3 deg off.
+  python3 - "$theta" <<'END' || fail "from $theta the arm was not homed: $(cat err.txt out.txt)"
+import re, sys
+said = open("err.txt").read()
+joints = re.search(r"homed by sight: joints (\S+) (\S+) (\S+) deg", said).groups()
+two = sum(map(float, re.findall(r"motor 2 turns by (\S+) deg", said)))
+three = sum(map(float, re.findall(r"motor 3 turns by (\S+) deg", said)))
+stood = [float(angle) for angle in sys.argv[1].split(",")]
+for seen, stands in zip(joints, (stood[0], stood[1] + two, stood[2] + two + three)):
+    assert abs((float(seen) - stands + 180) % 360 - 180) < 1, (joints, stood, two, three)
+END
+  # From the other elbow the way to the target leads through the stretched arm, which the workspace forbids.
+  [ $status -eq 0 ] || [ "$n" -eq 4 ] || fail "from $theta the target was not reached: $(cat err.txt out.txt)"
+done
+
+standing "20, 110, 40"
+expect 1 "start with --home" "${servo[@]}" --out made
+expect 1 "whole turns from there.*--nearest-turn" "${servo[@]}" --home --out made
+# Limits that leave one order of the lamps need no turn of joint 3.
+sed 's/\[-720, 720\]/[-100, 100]/' cell/cell.yaml >cell/narrow.yaml
+"$bin/planar-servo" --no-health --cell cell/narrow.yaml --targets targets.csv --home --nearest-turn --out narrow \
+  >/dev/null 2>err.txt || fail "$(cat err.txt)"
+grep -q "motor 3 turns" err.txt && fail "joint 3 turned in vain: $(cat err.txt)"
+sed '0,/, home: {reference: sight}/s///' cell/cell.yaml >cell/mixed.yaml
+expect 2 "all three or none" "$bin/planar-servo" --cell cell/mixed.yaml --targets targets.csv --dry-run

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# scale_bar.sh BIN_DIR CELL_DIR: lengths of a bar laid over the workspace are measured, and a wrong one is noticed.
+source "$(dirname "$0")/common.sh"
+cp -r "$2/cell" .
+printf '%s\n' id,x_mm,y_mm,kind,size_mm A,0,0,bright_disc,5 B,300,0,bright_disc,5 >bar.csv
+certify=("$bin/planar-certify" --cell cell/cell.yaml --by scale-bar --bar bar.csv)
+cp cell/truth.yaml bare_truth.yaml
+put() {
+  "$bin/planar-virtual-cell" put --cell cell/cell.yaml --drawing bar.csv --at "$1" >/dev/null
+}
+n=0
+for at in 100,150,0 -400,150,0 -150,-150,0 -150,-250,5 -420,-100,70 420,-150,85 -150,400,-3 -150,300,10; do
+  cp bare_truth.yaml cell/truth.yaml
+  put "$at"
+  n=$((n + 1))
+  echo "save place$n.png" | "$bin/planar-jog" --cell cell/cell.yaml >/dev/null
+done
+"${certify[@]}" --image place*.png --out lengths --json lengths.json >said.txt || fail "$(cat said.txt)"
+grep -q "Over 8 places" lengths/scale_bar.html || fail "the page does not say how many places"
+python3 -c '
+import json
+told = json.load(open("lengths.json"))
+assert told["places"] == 8 and told["largest_error_mm"] < 0.2, told' || fail "$(cat lengths.json)"
+
+sed 's/300,0/299,0/' bar.csv >short.csv
+status=0
+"$bin/planar-certify" --cell cell/cell.yaml --by scale-bar --bar short.csv --image place*.png --out wrong >said.txt || status=$?
+[ $status -eq 1 ] && grep -q "are within the stated" wrong/scale_bar.html || fail "a wrong bar ended with $status: $(cat said.txt)"
+cp bare_truth.yaml cell/truth.yaml
+put 100,150,0
+status=0
+"${certify[@]}" --out few </dev/null >said.txt || status=$?
+[ $status -eq 1 ] && grep -q "too few" few/scale_bar.html || fail "one place ended with $status"
+put 250,409.8,180
+expect 1 "nobody knows which is the bar.s other end" "${certify[@]}" --out several
+expect 2 "needs --bar" "$bin/planar-certify" --cell cell/cell.yaml --by scale-bar --out made

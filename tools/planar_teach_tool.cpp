@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "jog_session.h"
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/report/report_list.h"
+#include "program.h"
+
+namespace planar {
+namespace {
+
+namespace fs = std::filesystem;
+
+const ProgramText kText{
+    "planar-teach-tool",
+    "planar-teach-tool --cell cell.yaml -o tool.yaml [--poses taught.csv] [--sigma-mm S]\n"
+    "       planar-teach-tool --cell cell.yaml --check tool.yaml [--poses taught.csv]",
+    R"(tip                 (29.997, 0.012) mm from the end point, in the tool's frame
+deviation           (0.0141, 0.0143) mm
+poses               4, up to 0.0210 mm from the mark
+mark                (250.004, 120.013) mm)"};
+
+struct Options {
+  fs::path cell, out, check, poses;
+  double sigma_mm{0.02};
+};
+
+void add_options(CLI::App& app, Options& options) {
+  add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
+  auto* what = app.add_option_group("what to do");
+  add_value(*what, "-o,--out", options.out, "tool.yaml",
+            "find the tip, and write its file, which the cell names under tools");
+  add_value(*what, "--check", options.check, "tool.yaml",
+            "say whether the tip still is where this file has it, by one pose at the same mark");
+  what->require_option(1);
+  add_value(app, "--poses", options.poses, "taught.csv",
+            "places that planar-jog taught with the tip at one mark, in three directions or more; "
+            "without it commands as planar-jog has them are read now, and 'teach ID' takes a pose");
+  app.add_option("--sigma-mm", options.sigma_mm,
+                 "standard deviation per axis with which the tip was brought to the mark; 0.02 is "
+                 "that of a person with a magnifier")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S")
+      ->capture_default_str();
+}
+
+/// Returns the poses of a table, or of a session that begins now and keeps them beside the file.
+std::vector<TipAtMark> poses_of(const Options& options, const CellSettings& cell) {
+  fs::path table = options.poses;
+  if (table.empty()) {
+    table = (options.out.empty() ? options.check : options.out).string() + ".poses.csv";
+    if (fs::exists(table))
+      throw InputError(
+          {"exists already", "give it with --poses, or take it away to begin anew", table});
+    jog_by_lines(cell, table);
+    if (!fs::exists(table))
+      throw InputError(Refusal{"no pose was taught", "bring the tip to the mark, then 'teach ID'"});
+  }
+  std::vector<TipAtMark> poses;
+  for (const TargetRow& row : read_targets(table)) {
+    if (!row.phi_d)
+      throw InputError({"has a place without a direction", "teach places with planar-jog", table});
+    poses.push_back({row.id, {row.p_d, *row.phi_d}});
+  }
+  return poses;
+}
+
+Outcome teach(const Options& options, const CellSettings& cell) {
+  require_writable(options.out, "tool_tip");
+  const std::vector<Origin> origins = tool_tip_origins(cell);
+  const TaughtTip taught = teach_tip(poses_of(options, cell), options.sigma_mm * kMillimetre);
+  write_file(options.out, tool_tip_text(taught, origins, kText.name));
+  double farthest = 0.0;
+  for (const Eigen::Vector2d& residual : taught.residuals)
+    farthest = std::max(farthest, residual.norm());
+  ReportList list;
+  list.line("tip", "({p_TE_mm:.3f}) mm from the end point, in the tool's frame", taught.tip.p_TE);
+  list.line("deviation", "({deviation_mm:.4f}) mm",
+            Eigen::Vector2d(taught.tip.covariance.diagonal().cwiseSqrt()));
+  list.line("poses", "{poses}, up to {largest_residual_mm:.4f} mm from the mark",
+            taught.residuals.size(), farthest);
+  list.line("mark", "({mark_mm:.3f}) mm", taught.mark_B);
+  say("{}", list.text());
+  return {list.json()};
+}
+
+Outcome check(const Options& options, const CellSettings& cell) {
+  constexpr double kSigmas = 3.0;
+  const TaughtTip taught = read_tool_tip(options.check);
+  bool is_there = true;
+  ReportList list;
+  std::vector<std::pair<std::string, TipMiss>> misses;
+  for (const TipAtMark& at : poses_of(options, cell)) {
+    misses.emplace_back(at.id, miss_of(taught, at.pose));
+    const TipMiss& miss = misses.back().second;
+    is_there = is_there && miss.off.cwiseAbs().maxCoeff() < kSigmas * miss.sigma;
+  }
+  list.rows(
+      "poses", misses,
+      [](ReportList& row, const std::pair<std::string, TipMiss>& at) {
+        row.line("pose", "{pose}", at.first);
+        row.line("off", "the tip is off by ({off_mm:.4f}) mm", at.second.off);
+        row.line("deviation", "+- {sigma_mm:.4f} mm per axis", at.second.sigma);
+      },
+      "", ": ");
+  list.unprinted("is_there", is_there);
+  say("{}{}\n", list.text(),
+      is_there ? "the tip is where its file has it"
+               : "the tip is no longer where its file has it: teach it again");
+  return {list.json(), is_there};
+}
+
+Outcome work(const Options& options) {
+  const CellSettings cell = read_cell(options.cell);
+  return options.check.empty() ? teach(options, cell) : check(options, cell);
+}
+
+}  // namespace
+}  // namespace planar
+
+int main(int argc, char** argv) {
+  return planar::run_program(planar::kText, argc, argv, planar::add_options, planar::work);
+}
