@@ -58,7 +58,7 @@ offers "folder photo.png" planar-calibrate-camera --grid circles:11x11:50mm ""
 offers "cell.yaml folder" planar-check-error-map ""
 offers "folder pairs.csv plan.csv" planar-check-error-map map.yaml ""
 offers "folder pairs.csv plan.csv" planar-check-error-map --plan test map.yaml ""
-offers "draw serve" planar-virtual-cell ""
+offers "draw put serve" planar-virtual-cell ""
 offers "cheap ordinary paper rough workshop" planar-virtual-cell draw --like ""
 offers "cell.yaml folder" planar-servo --cell ""
 offers "canny-kasa" planar-servo --cell cell.yaml --centre c

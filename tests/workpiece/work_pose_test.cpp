@@ -70,7 +70,7 @@ TEST_CASE("A work's pose is as uncertain as its covariance says, away from its m
   CHECK(chances_below_half < 0.54 * kWorks);
 }
 
-TEST_CASE("Four marks determine the height that they share; its residuals are the marks' own") {
+TEST_CASE("Four marks determine the height that they share, and its residuals are the marks' own") {
   WorkMarks marks = four_marks();
   // A camera 1 m above (0.1, 0.1): a millimetre of height moves each mark away from its foot.
   Eigen::VectorXd raised(8);
@@ -86,7 +86,8 @@ TEST_CASE("Four marks determine the height that they share; its residuals are th
   CHECK(fit->chance() > kFalseAlarm);
 }
 
-TEST_CASE("One mark that contradicts the others is named; two marks cannot contradict each other") {
+TEST_CASE(
+    "One mark that contradicts the others is named, and two marks cannot contradict each other") {
   WorkMarks marks = four_marks();
   marks.p_B.col(2) += Eigen::Vector2d(2e-4, 0.0);
   const auto odd = contradicting_mark(marks, WorkMap::kRigid);

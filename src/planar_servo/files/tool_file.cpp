@@ -31,6 +31,7 @@ ToolTip tip_of(const std::string& name, const CellSettings& cell, bool accepts_s
   const auto tool = cell.tools.find(name);
   if (tool == cell.tools.end()) {
     std::vector<std::string> known;
+    known.reserve(cell.tools.size());
     for (const auto& entry : cell.tools) known.push_back(entry.first);
     throw InputError({fmt::format("names no tool '{}'", name),
                       known.empty() ? "teach one with planar-teach-tool, and name its file under "
@@ -41,6 +42,7 @@ ToolTip tip_of(const std::string& name, const CellSettings& cell, bool accepts_s
   const TaughtTip taught = read_tool_tip(tool->second);
   const std::vector<Origin> present = tool_tip_origins(cell);
   std::vector<Role> compared;
+  compared.reserve(present.size());
   for (const Origin& origin : present) compared.push_back(origin.role);
   accept_stale(contradictions({{Role::kToolTip, tool->second}}, present, compared), accepts_stale);
   return taught.tip;

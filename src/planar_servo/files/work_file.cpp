@@ -166,6 +166,7 @@ std::shared_ptr<const LaidWorks> read_works(const fs::path& path, const Calibrat
   const std::vector<Origin> present =
       origins_in(cell.settings, calibration_files(cell.settings, uses_error_map(cell)));
   std::vector<Role> compared;
+  compared.reserve(present.size());
   for (const Origin& origin : present) compared.push_back(origin.role);
   accept_stale(contradictions({{Role::kWork, path}}, present, compared), accepts_stale);
   return works;

@@ -148,8 +148,10 @@ cv::Mat VirtualCamera::expose(const cv::Rect& region_px, double brightness,
 
 std::vector<Light> VirtualCamera::lights(double t_s) {
   if (!board_.X_BG()) {
-    std::vector<Light> all = works_.render(t_s);
-    for (Light& light : lamps_.render_all(arm_.X_BT(), lens_, t_s)) all.push_back(std::move(light));
+    const Pose X_BT = arm_.X_BT();
+    std::vector<Light> all;
+    if (!works_.empty()) all = works_.render(t_s, lamps_.housings_px(X_BT, lens_, t_s));
+    for (Light& light : lamps_.render_all(X_BT, lens_, t_s)) all.push_back(std::move(light));
     return all;
   }
   const std::optional<Light> board = board_.render(t_s);

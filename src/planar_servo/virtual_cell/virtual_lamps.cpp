@@ -213,6 +213,19 @@ std::optional<Light> VirtualLamps::render(const Pose& X_BT, const VirtualLens& l
   return light_of(seen, blur_px_);
 }
 
+std::vector<std::vector<Eigen::Vector2d>> VirtualLamps::housings_px(const Pose& X_BT,
+                                                                    const VirtualLens& lens,
+                                                                    double t_s) const {
+  constexpr double kHousing = 2.0;  // diameters of the disc
+  std::vector<std::vector<Eigen::Vector2d>> housings;
+  for (const SeenLamp& seen : see_tool(X_BT, lens, t_s)) {
+    auto& housing = housings.emplace_back();
+    for (const Eigen::Vector2d& point : seen.outline_px)
+      housing.emplace_back(seen.center_px + kHousing * (point - seen.center_px));
+  }
+  return housings;
+}
+
 std::vector<Light> VirtualLamps::render_all(const Pose& X_BT, const VirtualLens& lens,
                                             double t_s) const {
   std::vector<std::vector<SeenLamp>> groups;

@@ -60,6 +60,10 @@ class VirtualLamps {
   /// camera.
   std::optional<Light> render(const Pose& X_BT, const VirtualLens& lens, double t_s) const;
 
+  /// Returns the outlines of what the tool's lamps sit in, which hides what lies below them.
+  std::vector<std::vector<Eigen::Vector2d>> housings_px(const Pose& X_BT, const VirtualLens& lens,
+                                                        double t_s) const;
+
   /// Renders the lamps of the tool first, then those that are fixed to the base. Lights that
   /// overlap are merged.
   std::vector<Light> render_all(const Pose& X_BT, const VirtualLens& lens, double t_s) const;

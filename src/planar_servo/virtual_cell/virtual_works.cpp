@@ -141,11 +141,20 @@ Pose WorkpieceTruth::X_BW(double t_s) const {
 VirtualWorks::VirtualWorks(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px)
     : works_(truth.works), lens_(lens), sensor_px_(sensor_px), blur_px_(truth.camera.blur_px) {}
 
-std::vector<Light> VirtualWorks::render(double t_s) const {
-  if (works_.empty()) return {};
+std::vector<Light> VirtualWorks::render(
+    double t_s, const std::vector<std::vector<Eigen::Vector2d>>& above_px) const {
   if (!rendering_ || t_s - rendering_->t_s > lens_.still_s() || slid_between(rendering_->t_s, t_s))
     rendering_ = {t_s, rendered(t_s)};
-  return rendering_->lights;
+  std::vector<Light> lights = rendering_->lights;
+  for (Light& light : lights)
+    for (const Outline& outline_px : above_px) {
+      const cv::Rect part_px = window_around(outline_px, 1.0) & light.window_px;
+      if (part_px.empty()) continue;
+      light.levels = light.levels.clone();
+      cv::Mat1f part = light.levels(part_px - light.window_px.tl());
+      part -= polygon_coverage(outline_px, part_px).mul(part);
+    }
+  return lights;
 }
 
 bool VirtualWorks::slid_between(double from_s, double to_s) const {

@@ -17,9 +17,12 @@ class VirtualWorks {
  public:
   VirtualWorks(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px);
 
-  /// Renders each work before noise, within the sensor. One at rest is rendered again once the lens
-  /// or the air has moved.
-  std::vector<Light> render(double t_s) const;
+  bool empty() const { return works_.empty(); }
+
+  /// Renders each work before noise, within the sensor, dark within these outlines of what is above
+  /// it. One at rest is rendered again once the lens or the air has moved.
+  std::vector<Light> render(double t_s,
+                            const std::vector<std::vector<Eigen::Vector2d>>& above_px = {}) const;
 
  private:
   struct Rendering {

@@ -209,10 +209,25 @@ MeasuredMarks measure_marks(const Constellation& constellation,
   return {means, marks_on_plane(vision, drawing, uv_px, own_px2)};
 }
 
+/// Adds to all marks in common what the map has of the lamps' rims and glow instead of the lens:
+/// reflections and smears shift a centre by up to 0.026 px, rms per axis (doc/lamps.md), and the
+/// map takes the mean of it for the lens's.
+void add_lamps_share(WorkMarks& marks, const VisionCalibration& vision) {
+  constexpr double kLamps_px = 0.03;
+  const double scale = px_per_m(vision.workplane, marks.p_B.rowwise().mean());
+  if (scale <= 0.0) return;
+  const auto n = marks.p_B.cols();
+  const double variance = std::pow(kLamps_px / scale, 2);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < n; ++k)
+      marks.shared.block<2, 2>(2 * i, 2 * k) += variance * Eigen::Matrix2d::Identity();
+}
+
 FoundWork work_at(const Constellation& constellation, const std::vector<MarkCandidate>& candidates,
                   const std::vector<Picture>& pictures, const VisionCalibration& vision,
                   const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
-  const auto [means, marks] = measure_marks(constellation, candidates, pictures, vision, drawing);
+  auto [means, marks] = measure_marks(constellation, candidates, pictures, vision, drawing);
+  if (!settings.map_knows_lays) add_lamps_share(marks, vision);
   const WorkFit fit =
       fit_to_drawing(marks, settings.drawing_sigma, settings.allowed, vision, drawing.front().z);
   FoundWork work;
@@ -246,6 +261,10 @@ void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCali
     work.remarks.emplace_back(
         "the error map does not tell the lens from the lamps: nothing is taken off the marks, and "
         "its error stands in their uncertainty");
+  else if (!settings.map_knows_lays)
+    work.remarks.emplace_back(
+        "no board was laid for the error map: a shift common to all marks, of what it has of the "
+        "lamps instead of the lens, stands in the uncertainty");
 }
 
 void number_works(std::vector<FoundWork>& works) {
@@ -413,10 +432,11 @@ std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCal
   }
   for (const auto& [mark, others] : partners)
     if (others.size() > 1)
-      throw WorkError({fmt::format("the mark at {} is about the bar's length from {} others, so that "
-                                   "nobody knows which is the bar's other end",
-                                   place_mm(candidates[mark].p_B), others.size()),
-                       "lay one bar at a time, and clear away what looks like its marks"});
+      throw WorkError(
+          {fmt::format("the mark at {} is about the bar's length from {} others, so that "
+                       "nobody knows which is the bar's other end",
+                       place_mm(candidates[mark].p_B), others.size()),
+           "lay one bar at a time, and clear away what looks like its marks"});
   return bars;
 }
 

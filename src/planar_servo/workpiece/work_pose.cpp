@@ -22,9 +22,9 @@ PointRows rows_at(const Eigen::Vector2d& p_W) {
 /// Returns d (t, columns of A) / d unknowns, which turn, stretch and shift the drawing about
 /// `middle` (drawing's frame) to first order.
 Eigen::MatrixXd directions_of(WorkMap map, const WorkPose& pose, const Eigen::Vector2d& middle) {
-  const auto change = [&](const Eigen::Matrix2d& dA) {
+  const auto change = [&](const Eigen::Matrix2d& step) {
     Terms terms;
-    terms << -dA * middle, dA.col(0), dA.col(1);
+    terms << -step * middle, step.col(0), step.col(1);
     return terms;
   };
   Eigen::Matrix2d turn, flat, shear;

@@ -28,7 +28,7 @@ constexpr Named<HomeReference> kReferences[] = {{HomeReference::kTaught, "taught
 std::string new_home(double mark_deg) {
   return fmt::format(
       R"(    home:
-      reference: taught            # taught (a mark, by hand), reverse_switch, forward_switch or sight
+      reference: taught            # taught (by hand), reverse_switch, forward_switch, sight
       at_deg: {:<20g} # motor's angle behind its gear at that mark or switch
 )",
       mark_deg);

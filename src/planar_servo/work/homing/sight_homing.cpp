@@ -211,21 +211,26 @@ std::vector<PostureCandidate> posture_candidates(const CalibratedCell& cell,
 
 namespace {
 
-/// Returns the joints at which the arm is seen, by the arm as it was found where it has the elbow
-/// that was found with it.
+/// Returns the joints at which the arm is seen, by the arm as it was found where it was.
 Joints joints_seen(const CalibratedCell& cell, const PostureCandidate& posture,
                    LampTipSensor& sensor) {
-  const TipMeasurement seen = sensor.measure(cell.planner.arm().forward(posture.theta),
+  const JointPlanner& planner = cell.planner;
+  const TipMeasurement seen = sensor.measure(planner.arm().forward(posture.theta),
                                              cell.settings.servo.frames_per_measurement);
   if (!seen.ok())
     throw WorkError({"the lamps are lost after homing by sight: " + seen.word, kByHand});
-  constexpr double kSamePosture = 5.0 * kDegree;
-  if (posture.elbow == cell.settings.arm.elbow) {
-    const Joints theta = cell.planner.plan(seen.tip, posture.theta).theta;
-    if ((theta - posture.theta).norm() < kSamePosture) return theta;
+  constexpr int kSteps = 12;  // each is some ten times nearer than the one before
+  Joints theta = posture.theta;
+  TipPose aim = seen.tip;
+  for (int step = 0; step < kSteps; ++step) {
+    const InverseResult inverse = planner.arm().inverse(aim, posture.elbow, theta);
+    if (inverse.status != ReachStatus::kOk) break;
+    theta = inverse.theta;
+    const TipPose now = planner.reached(theta);
+    aim.p += seen.tip.p - now.p;
+    aim.phi += wrap_angle(seen.tip.phi - now.phi);
   }
-  const InverseResult inverse = cell.planner.arm().inverse(seen.tip, posture.elbow, posture.theta);
-  return inverse.status == ReachStatus::kOk ? inverse.theta : posture.theta;
+  return theta;
 }
 
 }  // namespace
