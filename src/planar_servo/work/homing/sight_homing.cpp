@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
@@ -83,10 +84,19 @@ class SightHoming {
     if (!differ) return;
     const double sign = allowed_sign(motor, take_up + turn, what);
     if (take_up > 0.0) move(motor, sign * take_up);
-    const Eigen::Vector2d before = middle_of(seen_);
-    const std::vector<PostureCandidate> then = left_;
-    move(motor, sign * turn);
-    keep_those_that_moved(then, middle_of(seen_) - before, what);
+    std::vector<Eigen::Vector2d> moves;  // that each posture predicts for the middle of the lamps
+    moves.reserve(left_.size());
+    for (const PostureCandidate& c : left_)
+      moves.emplace_back(middle_at(turned(c.theta, motor, sign * turn)) - middle_at(c.theta));
+    constexpr int kMostTurns = 8;  // there and back again
+    Eigen::Vector2d sum(0.0, 0.0);
+    for (int n = 1;; ++n) {
+      const double sense = n % 2 == 1 ? 1.0 : -1.0;
+      const Eigen::Vector2d before = middle_of(seen_);
+      move(motor, sense * sign * turn);
+      sum += sense * (middle_of(seen_) - before);
+      if (keeps_those_that_moved(moves, sum / n, n, what, n == kMostTurns)) return;
+    }
   }
 
   /// Turns a motor and lets all candidates follow.
@@ -101,38 +111,45 @@ class SightHoming {
     seen_ = seen_places(sensor_, *cell_.vision);
   }
 
-  void keep_those_that_moved(const std::vector<PostureCandidate>& then, const Eigen::Vector2d& seen,
-                             const char* what) {
-    // A gear may turn by this share more or less within a small angle; looks scatter by this much.
-    constexpr double kGearShare = 0.05, kScatter_m = 20e-6;
-    const auto predicted = [&](std::size_t i) {
-      return Eigen::Vector2d(middle_at(left_[i]) - middle_at(then[i]));
-    };
-    std::vector<double> misses;
-    for (std::size_t i = 0; i < left_.size(); ++i) misses.push_back((seen - predicted(i)).norm());
-    const auto best =
-        static_cast<std::size_t>(std::min_element(misses.begin(), misses.end()) - misses.begin());
-    const double allowed = kScatter_m + kGearShare * predicted(best).norm();
+  /// Keeps the postures that predict the mean move of `n` turns, where it tells. Throws WorkError
+  /// where that is still in doubt and these were the last turns.
+  bool keeps_those_that_moved(const std::vector<Eigen::Vector2d>& moves,
+                              const Eigen::Vector2d& seen, int n, const char* what, bool is_last) {
+    // A gear may turn by this share more or less within a small angle.
+    constexpr double kGearShare = 0.05, kSigmas = 4.0;
+    // Of a move: looks of moving air, and stops of the arm as it was found, or of an ordinary one.
+    const double stop_m = cell_.planner.found() ? cell_.planner.scatter_m() : 20e-6;
+    const double scatter_m = kSigmas * std::hypot(10e-6, std::sqrt(2.0) * stop_m) / std::sqrt(n);
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < moves.size(); ++i)
+      if ((seen - moves[i]).norm() < (seen - moves[best]).norm()) best = i;
+    const double miss = (seen - moves[best]).norm();
     std::vector<PostureCandidate> kept;
     double next = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < left_.size(); ++i) {
-      if ((predicted(i) - predicted(best)).norm() < kScatter_m)
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      constexpr double kSameMove_m = 10e-6;
+      if ((moves[i] - moves[best]).norm() < kSameMove_m)
         kept.push_back(left_[i]);
       else
-        next = std::min(next, misses[i]);
+        next = std::min(next, (seen - moves[i]).norm());
     }
-    if (misses[best] > allowed || next < 2.0 * allowed)
-      throw WorkError(
-          {fmt::format("homing by sight leaves a doubt about {}: the lamps moved by {:.3f} mm, "
-                       "{:.3f} mm from what one posture says and {:.3f} mm from what another does",
-                       what, mm(seen.norm()), mm(misses[best]), mm(next)),
-           kByHand});
-    left_ = std::move(kept);
+    const double allowed = scatter_m + kGearShare * moves[best].norm();
+    if (miss <= allowed && next - miss >= allowed) {
+      left_ = std::move(kept);
+      return true;
+    }
+    if (is_last)
+      throw WorkError({fmt::format("homing by sight leaves a doubt about {}: the lamps moved by "
+                                   "{:.3f} mm, {:.3f} mm from what one posture says and {:.3f} mm "
+                                   "from what another does, where {:.3f} mm would tell",
+                                   what, mm(seen.norm()), mm(miss), mm(next), mm(allowed)),
+                       kByHand});
+    return false;
   }
 
   /// Returns where the middle of the lamps is in a posture.
-  Eigen::Vector2d middle_at(const PostureCandidate& candidate) const {
-    return middle_of(lamps_at(*cell_.vision, cell_.planner.arm().forward(candidate.theta)));
+  Eigen::Vector2d middle_at(const Joints& theta) const {
+    return middle_of(lamps_at(*cell_.vision, cell_.planner.arm().forward(theta)));
   }
 
   Joints turned(const Joints& theta, int motor, double turn) const {
