@@ -145,7 +145,7 @@ class Cell {
         request.works = read_works(*on_work, *request.cell, request.accepted.stale);
         rows = on_works(rows, request.works->works);
       }
-      rows = with_tools(rows, cell, tool, request.accepted.stale);
+      rows = CellTools(cell, tool, request.accepted.stale).with_tips(rows);
       const auto show = observer_of(on_step);
       ServoRun run(request, *devices_, [&](const ServoSight& sight) {
         if (show) show(sight.step);

@@ -236,11 +236,10 @@ TargetsIn drawn_targets(const Options& options) {
   return {targets_of(drawing, options.targets.string()), drawing.remarks};
 }
 
-TargetsIn targets_in(const Options& options, const CalibratedCell& cell) {
+TargetsIn targets_in(const Options& options, CellTools& tools) {
   TargetsIn targets = drawn_targets(options);
   if (options.request.works) targets.rows = on_works(targets.rows, options.request.works->works);
-  targets.rows =
-      with_tools(targets.rows, cell.settings, options.tool, options.request.accepted.stale);
+  targets.rows = tools.with_tips(targets.rows);
   return targets;
 }
 
@@ -289,17 +288,17 @@ bool is_good(const StreamEnd& end, bool requires_end) {
   return end.bad_lines == 0 && !is_missing;
 }
 
-TargetRow in_base(const TargetRow& drawn, const Options& options, const CellSettings& cell) {
+TargetRow in_base(const TargetRow& drawn, const Options& options, CellTools& tools) {
   std::vector<TargetRow> rows{drawn};
   if (options.request.works) rows = on_works(rows, {single_work(options)});
-  return with_tools(rows, cell, options.tool, options.request.accepted.stale).front();
+  return tools.with_tips(rows).front();
 }
 
-Outcome plan_stream(const Options& options, const CalibratedCell& cell) {
+Outcome plan_stream(const Options& options, const CalibratedCell& cell, CellTools& tools) {
   TargetLines lines(kStdin);
-  const FirstMoveStream planned = answer_first_moves(
-      std::cin, std::cout, lines, cell, start_of_run(options, cell),
-      [&](const TargetRow& drawn) { return in_base(drawn, options, cell.settings); });
+  const FirstMoveStream planned =
+      answer_first_moves(std::cin, std::cout, lines, cell, start_of_run(options, cell),
+                         [&](const TargetRow& drawn) { return in_base(drawn, options, tools); });
   say(stderr, "{} of {} targets can be reached; {} bad lines\n", planned.targets - planned.refused,
       planned.targets, planned.end.bad_lines);
   return {{{"targets", planned.targets},
@@ -310,7 +309,7 @@ Outcome plan_stream(const Options& options, const CalibratedCell& cell) {
 
 /// Moves to the targets of a table, or to those that arrive on standard input. Returns whether the
 /// input was good.
-bool move(ServoRun& run, const Options& options, const CellSettings& cell,
+bool move(ServoRun& run, const Options& options, CellTools& tools,
           const std::vector<TargetRow>& targets) {
   if (!from_stdin(options)) {
     ProgressBar bar("targets");
@@ -321,7 +320,7 @@ bool move(ServoRun& run, const Options& options, const CellSettings& cell,
   for (const TargetResult& result : run.results()) taken.insert(result.id);
   TargetLines lines(kStdin, std::move(taken));
   const StreamEnd end = answer_targets(std::cin, std::cout, lines, [&](const TargetRow& target) {
-    return result_answer(run.move_to(in_base(target, options, cell)));
+    return result_answer(run.move_to(in_base(target, options, tools)));
   });
   run.finish();
   return is_good(end, options.require_end);
@@ -376,12 +375,13 @@ std::shared_ptr<Judge> judge_by_tracker(const ServoRequest& request, CellDevices
 }
 
 Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCell>& cell) {
-  const TargetsIn read = targets_in(options, *cell);
+  CellTools tools(cell->settings, options.tool, options.request.accepted.stale);
+  const TargetsIn read = targets_in(options, tools);
   const std::vector<TargetRow>& targets = read.rows;
   if (!from_stdin(options)) question_targets(targets, cell->settings.workspace, options.targets);
   if (options.check) check_files(options, *cell);
   if (options.check || options.dry_run) {
-    if (from_stdin(options)) return plan_stream(options, *cell);
+    if (from_stdin(options)) return plan_stream(options, *cell, tools);
     const std::vector<DryRunRow> rows = planned_moves(options, *cell, read);
     return options.check ? print_check(*cell, rows) : print_dry_run(rows);
   }
@@ -393,7 +393,7 @@ Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCe
   ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
                        options.request.folder.path / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
-  const bool good_input = move(run, options, cell->settings, targets);
+  const bool good_input = move(run, options, tools, targets);
   display.close();
   return report(request, options, run, devices->camera().counts(), good_input);
 }

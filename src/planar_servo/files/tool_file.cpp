@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <map>
+#include <cmath>
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/yaml_reader.h"
@@ -71,15 +71,19 @@ std::vector<Origin> tool_tip_origins(const CellSettings& cell) {
   return {origin_of({Role::kWorkplane, cell.workplane}), origin_of({Role::kTool, cell.tool})};
 }
 
-std::vector<TargetRow> with_tools(std::vector<TargetRow> targets, const CellSettings& cell,
-                                  const std::string& usual, bool accepts_stale) {
-  std::map<std::string, ToolTip> tips;
+const ToolTip& CellTools::tip(const std::string& name) {
+  const auto known = tips_.find(name);
+  if (known != tips_.end()) return known->second;
+  return tips_.emplace(name, tip_of(name, cell_, accepts_stale_)).first->second;
+}
+
+std::vector<TargetRow> CellTools::with_tips(std::vector<TargetRow> targets) {
   for (TargetRow& target : targets) {
-    const std::string& name = target.tool.empty() ? usual : target.tool;
+    const std::string& name = target.tool.empty() ? usual_ : target.tool;
     if (name.empty()) continue;
-    if (tips.count(name) == 0) tips[name] = tip_of(name, cell, accepts_stale);
-    target.p_TE = tips[name].p_TE;
-    target.sigma_m = std::hypot(target.sigma_m, per_axis(tips[name].covariance));
+    const ToolTip& wanted = tip(name);
+    target.p_TE = wanted.p_TE;
+    target.sigma_m = std::hypot(target.sigma_m, per_axis(wanted.covariance));
   }
   return targets;
 }

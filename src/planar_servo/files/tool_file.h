@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/files/provenance.h"
@@ -21,11 +23,26 @@ TaughtTip read_tool_tip(const std::filesystem::path& path);
 /// Returns what a tool's file is made from: of the cell what places the end point.
 std::vector<Origin> tool_tip_origins(const CellSettings& cell);
 
-/// Returns the targets with the tips of the tools that they name, or of the cell's tool `usual`
-/// where they name none; without either the end point P is the tip. Throws InputError for a name
-/// that the cell does not have, for a file with faults, and for one that was taught with another
-/// calibration, unless that is accepted.
-std::vector<TargetRow> with_tools(std::vector<TargetRow> targets, const CellSettings& cell,
-                                  const std::string& usual, bool accepts_stale);
+/// The tools of a cell that targets name, each read once, when the first target names it.
+class CellTools {
+ public:
+  /// Takes the cell, which must outlive it, and the tool of targets that name none; without either
+  /// the end point P is the tip.
+  CellTools(const CellSettings& cell, std::string usual, bool accepts_stale)
+      : cell_(cell), usual_(std::move(usual)), accepts_stale_(accepts_stale) {}
+
+  /// Returns the targets with the tips of their tools. Throws InputError for a name that the cell
+  /// does not have, for a file with faults, and for one that was taught with another calibration,
+  /// unless that is accepted.
+  std::vector<TargetRow> with_tips(std::vector<TargetRow> targets);
+
+ private:
+  const ToolTip& tip(const std::string& name);
+
+  const CellSettings& cell_;
+  std::string usual_;
+  bool accepts_stale_;
+  std::map<std::string, ToolTip> tips_;
+};
 
 }  // namespace planar
