@@ -277,6 +277,13 @@ std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map
   return contradictions(files, present, values_of(kRoles));
 }
 
+void require_made_with(const MadeFile& file, const std::vector<Origin>& present, bool accepted) {
+  std::vector<Role> compared;
+  compared.reserve(present.size());
+  for (const Origin& origin : present) compared.push_back(origin.role);
+  accept_stale(contradictions({file}, present, compared), accepted);
+}
+
 void require_belonging(const std::vector<StaleFile>& stale) {
   Faults faults;
   for (const StaleFile& file : stale) faults.add(file);

@@ -125,6 +125,10 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
 /// Returns contradictions() of the cell's calibration files, as far as they exist.
 std::vector<StaleFile> stale_files(const CellSettings& cell, bool with_error_map);
 
+/// Throws InputError naming what of this file's origins is no longer `present`, with roles that are
+/// present; where that is accepted, it is only logged.
+void require_made_with(const MadeFile& file, const std::vector<Origin>& present, bool accepted);
+
 /// Throws InputError with these refusals, unless there are none.
 void require_belonging(const std::vector<StaleFile>& stale);
 

@@ -40,11 +40,7 @@ ToolTip tip_of(const std::string& name, const CellSettings& cell, bool accepts_s
                       cell.file});
   }
   const TaughtTip taught = read_tool_tip(tool->second);
-  const std::vector<Origin> present = tool_tip_origins(cell);
-  std::vector<Role> compared;
-  compared.reserve(present.size());
-  for (const Origin& origin : present) compared.push_back(origin.role);
-  accept_stale(contradictions({{Role::kToolTip, tool->second}}, present, compared), accepts_stale);
+  require_made_with({Role::kToolTip, tool->second}, tool_tip_origins(cell), accepts_stale);
   return taught.tip;
 }
 

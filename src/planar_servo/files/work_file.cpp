@@ -163,12 +163,10 @@ std::vector<Origin> work_origins(const CellSettings& cell, const fs::path& drawi
 std::shared_ptr<const LaidWorks> read_works(const fs::path& path, const CalibratedCell& cell,
                                             bool accepts_stale) {
   auto works = std::make_shared<const LaidWorks>(read_works(path));
-  const std::vector<Origin> present =
-      origins_in(cell.settings, calibration_files(cell.settings, uses_error_map(cell)));
-  std::vector<Role> compared;
-  compared.reserve(present.size());
-  for (const Origin& origin : present) compared.push_back(origin.role);
-  accept_stale(contradictions({{Role::kWork, path}}, present, compared), accepts_stale);
+  require_made_with(
+      {Role::kWork, path},
+      origins_in(cell.settings, calibration_files(cell.settings, uses_error_map(cell))),
+      accepts_stale);
   return works;
 }
 
