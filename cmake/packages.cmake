@@ -37,7 +37,7 @@ planar_package(library libplanar-servo-dev libdevel
   "Finds lamps in images, fits cameras and error maps, and positions a planar arm
 with them. CMake finds the package planar_servo and its target
 planar_servo::planar_servo."
-  libaravis-dev libeigen3-dev libfmt-dev libnlopt-cxx-dev libopencv-dev libspdlog-dev libssl-dev
+  libaravis-dev libeigen3-dev libfmt-dev libmodbus-dev libnlopt-cxx-dev libopencv-dev libspdlog-dev libssl-dev
   libusb-1.0-0-dev libvisp-dev libyaml-cpp-dev pkg-config)
 
 set(CPACK_COMPONENTS_ALL programs library)

@@ -13,6 +13,7 @@ find_dependency(OpenMP COMPONENTS CXX)
 find_dependency(PkgConfig)
 pkg_check_modules(LIBUSB QUIET IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(ARAVIS QUIET IMPORTED_TARGET aravis-0.8)
+pkg_check_modules(MODBUS QUIET IMPORTED_TARGET libmodbus)
 
 # In a function, because ViSP's package changes the caller's C++ standard and compiler flags.
 function(planar_servo_find_visp)
@@ -21,7 +22,7 @@ function(planar_servo_find_visp)
 endfunction()
 planar_servo_find_visp()
 
-foreach(package LIBUSB ARAVIS VISP)
+foreach(package LIBUSB ARAVIS MODBUS VISP)
   if(NOT ${package}_FOUND)
     set(planar_servo_FOUND FALSE)
     set(planar_servo_NOT_FOUND_MESSAGE "planar_servo needs ${package}, which is not installed")

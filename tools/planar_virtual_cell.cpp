@@ -32,7 +32,7 @@ const CommandText kServe{
     "planar-virtual-cell serve --cell cell.yaml [--out live.yaml] [--address ADDRESS]\n"
     "                                 [--tracker tcp|file] [--tracker-clock OFFSET_S,PPM]\n"
     "                                 [--decimal-comma] [--broken-beams PERCENT]\n"
-    "                                 [--truth-log FILE] [--grbl-firmware PROGRAM]",
+    "                                 [--truth-log FILE] [--grbl-firmware PROGRAM|--shafts]",
     "serving cell.yaml until interrupted; live.yaml describes it as a real cell\n"
     "camera   GigE Vision on 127.0.0.1\n"
     "drives   Grbl at /home/me/grbl\n"
@@ -59,7 +59,7 @@ struct Options {
   fs::path cell, live_cell, truth_log, firmware;
   std::string address{"127.0.0.1"}, tracker{kTcp};
   std::vector<double> tracker_clock{0.0, 0.0};
-  bool decimal_comma{false};
+  bool decimal_comma{false}, shafts{false};
   double broken_percent{0.0};
   fs::path drawing;
   std::vector<double> at, slide;
@@ -108,8 +108,11 @@ ServeRequest serve_request(const Options& options) {
   ServeRequest request;
   request.cell = read_cell(options.cell);
   request.address = options.address;
-  request.grbl_port = folder / "grbl";
-  if (!options.firmware.empty()) request.grbl_firmware = options.firmware;
+  request.motor_port = folder / (options.shafts ? "shafts" : "grbl");
+  request.firmware = options.firmware;
+  request.board = options.shafts             ? ServedBoard::kShafts
+                  : options.firmware.empty() ? ServedBoard::kEmulated
+                                             : ServedBoard::kFirmware;
   if (options.tracker == kFile) request.tracker_file = folder / "tracker.txt";
   request.tracker = {options.tracker_clock[0], options.tracker_clock[1], options.decimal_comma,
                      options.broken_percent};
@@ -210,6 +213,11 @@ void add_serve_options(CLI::App& server, Options& options) {
   add_value(server, "--grbl-firmware", options.firmware, "PROGRAM",
             "the simulator of Grbl 1.1, which is the drives' board instead of an emulated "
             "one; it has no home switches");
+  server
+      .add_flag("--shafts", options.shafts,
+                "the motors follow the lines of three counts that any program writes into the pipe "
+                "shafts beside the cell")
+      ->excludes("--grbl-firmware");
 }
 
 void add_put_options(CLI::App& command, Options& options) {

@@ -37,6 +37,16 @@ done
 standing "20, 110, 40"
 expect 1 "start with --home" "${servo[@]}" --out made
 expect 1 "whole turns from there.*--nearest-turn" "${servo[@]}" --home --out made
+# By hand and in a recording it is the same.
+jog() { printf '%s\n' "$@" quit | "$bin/planar-jog" --cell cell/cell.yaml >out.txt 2>err.txt || true; cat out.txt err.txt; }
+jog enable "mark 1" | grep -q "have no marks" || fail "a mark was taken: $(cat out.txt err.txt)"
+jog enable "joint 1 5" | grep -q "do not know where they stand" || fail "it moved unhomed: $(cat out.txt err.txt)"
+jog enable home | grep -q "whole turns from there" || fail "a turn was guessed: $(cat out.txt err.txt)"
+jog enable "home nearest-turn" where | grep -q "3 joints homed" || fail "by hand: $(cat out.txt err.txt)"
+printf 'id,plan,x_mm,y_mm\nA,pose,200,100\n' >plan.csv
+"$bin/planar-record" --cell cell/cell.yaml --plan plan.csv --home --nearest-turn --out recorded >out.txt 2>err.txt ||
+  fail "recording: $(cat out.txt err.txt)"
+grep -q "homed by sight" err.txt || fail "recording homed otherwise: $(cat err.txt)"
 # Limits that leave one order of the lamps need no turn of joint 3.
 sed 's/\[-720, 720\]/[-100, 100]/' cell/cell.yaml >cell/narrow.yaml
 "$bin/planar-servo" --no-health --cell cell/narrow.yaml --targets targets.csv --home --nearest-turn --out narrow \

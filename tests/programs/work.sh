@@ -47,6 +47,44 @@ printf 'G90 G1 X20 Y20 F300\nG1 X60 Y20\nG2 X60 Y40 I0 J10\n' >part.nc
 "${servo[@]}" --work work.yaml --path part.nc --check --json path.json >/dev/null
 "${servo[@]}" --work work.yaml --path part.nc --out path >/dev/null
 
+# On the page: a drawing's targets for a tool, on a work found beside the cell; then what planar next says.
+cp work.yaml work.csv cell/
+sed -e 's/^lamps: {/tools: {needle: needle.yaml}\nlamps: {/' cell/cell.yaml >cell/tools.yaml
+printf 'id,x_mm,y_mm,phi_deg\n' >poses.csv
+printf 'A,225,120,0\nB,250,145,-90\nC,275,120,180\n' >>poses.csv
+"$bin/planar-teach-tool" -q --cell cell/cell.yaml -o cell/needle.yaml --poses poses.csv
+PYTHONPATH=$repository/tests/support python3 -B - "$bin/planar-console" <<'END' || fail "the page does not work on a work: $(cat page.txt)"
+import sys, urllib.error
+from served_console import ServedConsole
+with ServedConsole(sys.argv[1], "cell/tools.yaml") as page:
+    table = page.ask("/api/table")
+    assert table["works"] == ["work.yaml"] and table["tools"] == ["needle"], table
+    for wrong, says in (({"work": "none.yaml"}, "there are work.yaml"), ({"tool": "nail"}, "known are needle")):
+        try:
+            page.ask("/api/targets", {"csv": "id,x_mm,y_mm\nA,20,20\n", **wrong})
+            raise SystemExit(f"{wrong} was taken")
+        except urllib.error.HTTPError as refused:
+            assert refused.code == 400 and says in (said := refused.read().decode()), said
+    sent = {"csv": "id,x_mm,y_mm\nA,20,20\n", "work": "work.yaml", "tool": "needle"}
+    (target,) = page.ask("/api/targets", sent)["targets"]
+    assert 215 < target["x_mm"] < 216 and target["tool"] == "", target
+    assert page.ask("/api/table")["csv"].splitlines()[1].startswith("A,20"), page.ask("/api/table")
+    page.ask("/api/command", {"line": "enable"})
+    page.ask("/api/run", {"out": "page_run"})
+    state = page.rests()
+    open("page.txt", "w").write(str(state["job"]))
+    assert state["job"]["ok"], state["job"]
+    (result,) = page.ask("/api/results")
+    assert abs(result["x_mm"] - target["x_mm"]) < 1e-3, result
+    assert "sigma_target_mm" not in result or result["sigma_target_mm"] > 0, result
+END
+"$bin/planar-next" --cell cell/tools.yaml --json next.json >next.txt
+grep -q "^done *tools" next.txt && grep -q "^done *workpiece" next.txt || fail "$(cat next.txt)"
+grep -q "planar-servo .*--work cell/work.yaml --targets" next.json || fail "$(cat next.json)"
+rm cell/needle.yaml
+"$bin/planar-next" --cell cell/tools.yaml --json next.json >next.txt
+grep -q "planar-teach-tool" next.json || fail "$(cat next.txt)"
+
 # A work that slides while it is worked on.
 put 200,150,12 --slide 10,0.4,0,0
 "${find_work[@]}" --drawing work.csv -o slid.yaml >/dev/null 2>&1

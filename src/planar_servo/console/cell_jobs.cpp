@@ -10,6 +10,8 @@
 
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibrated_cell.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/work/run/cell_check.h"
 #include "planar_servo/work/run/dry_run.h"
 #include "planar_servo/work/run/servo_report.h"
@@ -41,12 +43,6 @@ std::vector<TargetRow> targets_in(const std::string& csv, const std::string& whe
   return targets;
 }
 
-void write_targets(const fs::path& path, const std::vector<TargetRow>& targets) {
-  std::string text = targets_header();
-  for (const TargetRow& target : targets) text += target_line(target);
-  write_file(path, text);
-}
-
 }  // namespace
 
 CellJobs::CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker)
@@ -54,30 +50,64 @@ CellJobs::CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker)
   if (const auto job = board.state().job) last_job_ = job->id;
 }
 
-void CellJobs::load_targets(const std::string& csv) {
-  std::vector<TargetRow> targets = targets_in(csv, kTable);
-  if (csv.find_first_not_of(" \r\n") != csv.npos && targets.empty())
+void CellJobs::load_targets(const std::string& csv, const std::string& work,
+                            const std::string& tool) {
+  Wanted wanted{targets_in(csv, kTable), work, tool};
+  if (csv.find_first_not_of(" \r\n") != csv.npos && wanted.drawn.empty())
     throw InputError({"has no rows", "add a row id,x_mm,y_mm", kTable});
-  if (!targets.empty()) question_targets(targets, cell_.settings().workspace, kTable);
+  if (wanted.drawn.empty() && !(work.empty() && tool.empty()))
+    throw InputError({"has no rows for that work or tool", "add a row id,x_mm,y_mm", kTable});
+  if (!wanted.drawn.empty())
+    question_targets(placed(wanted).targets, cell_.settings().workspace, kTable);
   const std::lock_guard<std::mutex> lock(mutex_);
-  loaded_ = std::move(targets);
+  loaded_ = std::move(wanted);
 }
 
-std::vector<TargetRow> CellJobs::targets() {
+CellJobs::Wanted CellJobs::wanted() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!loaded_.empty()) return loaded_;
+    if (!loaded_.drawn.empty()) return loaded_;
   }
   const fs::path table = cell_.teach();
   if (!fs::exists(table)) return {};
-  return targets_in(read_file(table), table.filename().string());
+  return {targets_in(read_file(table), table.filename().string())};
+}
+
+CellJobs::Placed CellJobs::placed(const Wanted& wanted) const {
+  Placed placed{wanted.drawn, {}};
+  if (!wanted.work.empty()) {
+    const std::vector<std::string> known = works();
+    if (std::find(known.begin(), known.end(), wanted.work) == known.end())
+      throw InputError({fmt::format("'{}' is no file of works beside the cell file", wanted.work),
+                        known.empty() ? "find one with planar-find-work"
+                                      : fmt::format("there are {}", fmt::join(known, ", ")),
+                        "work"});
+    placed.works = read_works(cell_.folder() / wanted.work, cell_.calibrated(), false);
+    placed.targets = on_works(placed.targets, placed.works->works);
+  }
+  placed.targets =
+      CellTools(cell_.settings(), wanted.tool, false).with_tips(std::move(placed.targets));
+  return placed;
+}
+
+std::vector<std::string> CellJobs::works() const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(cell_.folder())) try {
+      if (!entry.is_regular_file() || entry.path().extension() != ".yaml") continue;
+      read_works(entry.path());
+      names.push_back(entry.path().filename().string());
+    } catch (const InputError&) {
+      // a file of another kind
+    }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 void CellJobs::take_taught(const std::string& id) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (loaded_.empty()) return;
+  if (loaded_.drawn.empty() || !loaded_.work.empty()) return;
   for (const TargetRow& target : targets_in(read_file(cell_.teach()), cell_.teach().string()))
-    if (target.id == id) loaded_.push_back(target);
+    if (target.id == id) loaded_.drawn.push_back(target);
 }
 
 std::vector<nlohmann::ordered_json> CellJobs::results() {
@@ -87,20 +117,22 @@ std::vector<nlohmann::ordered_json> CellJobs::results() {
 
 int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
   const fs::path out = folder(name);
-  const std::vector<TargetRow> goals = targets();
-  if (goals.empty()) throw InputError(Refusal{"there are no targets", "load or teach some"});
+  const Wanted kept = wanted();
+  const Placed on = placed(kept);
+  if (on.targets.empty()) throw InputError(Refusal{"there are no targets", "load or teach some"});
   return begin(
       Doing::kRunning, "targets", name, known,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         ServoRequest wanted = request_for_targets(stop, out);
         wanted.folder.resume = resume;
+        wanted.works = on.works;
         const FrameCounts before = devices.camera().counts();
         ServoRun run(wanted, devices, watch());
-        for (const TargetRow& goal : goals) run.require_same(goal);
-        begun(0, goals.size());
+        for (const TargetRow& goal : on.targets) run.require_same(goal);
+        begun(0, on.targets.size());
         const fs::path table = wanted.folder.path / "targets.csv";
-        write_targets(table, goals);
-        run_servo(run, goals, [&](std::size_t done, std::size_t all) {
+        write_file(table, targets_text(kept.drawn));
+        run_servo(run, on.targets, [&](std::size_t done, std::size_t all) {
           show_progress(done, all);
           tell_result(result_answer(run.results().back()));
         });
@@ -111,7 +143,8 @@ int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
       });
 }
 
-int CellJobs::go(const TargetRow& target, StopsKnown known) {
+int CellJobs::go(const TargetRow& place, StopsKnown known) {
+  const TargetRow target = placed({{place}}).targets.front();
   return begin(
       Doing::kRunning, "go", target.id, known,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -25,12 +26,23 @@ class CellJobs {
   /// All must outlive the jobs.
   CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker);
 
+  /// Targets as they were loaded or taught: in the drawing of the works of a file of the cell's
+  /// folder, or without one in the base frame; for a tool of the cell, or without one for P.
+  struct Wanted {
+    std::vector<TargetRow> drawn;
+    std::string work{}, tool{};
+  };
   /// Keeps the rows of a table as the targets of the next run; those that were taught for an empty
   /// text. Throws InputError with every fault.
-  void load_targets(const std::string& csv);
+  void load_targets(const std::string& csv, const std::string& work, const std::string& tool);
   /// Returns the targets that were loaded, or else were taught. Throws InputError for a taught
   /// table with faults.
-  std::vector<TargetRow> targets();
+  Wanted wanted();
+  /// Returns them in the base frame. Throws InputError for works and tools that do not belong to
+  /// the calibration.
+  std::vector<TargetRow> targets() { return placed(wanted()).targets; }
+  /// Returns the names of the cell folder's files of works.
+  std::vector<std::string> works() const;
 
   /// Adds a place that was just taught to the targets that were loaded, if any were.
   void take_taught(const std::string& id);
@@ -41,7 +53,8 @@ class CellJobs {
 
   /// Runs over the targets kept, in the folder `name` beside the cell file.
   int run(const std::string& name, bool resume, StopsKnown known);
-  int go(const TargetRow& target, StopsKnown known);
+  /// Goes to a place of the base frame, with the tip of the tool that it names.
+  int go(const TargetRow& place, StopsKnown known);
   int check(StopsKnown known);
 
   /// How a job ended, in words.
@@ -77,6 +90,11 @@ class CellJobs {
   void hold(const std::string& reason);
 
  private:
+  struct Placed {
+    std::vector<TargetRow> targets;
+    std::shared_ptr<const LaidWorks> works;
+  };
+  Placed placed(const Wanted& wanted) const;
   /// Shows a new job and returns its number.
   int begin_state(JobState job);
   void note_findings(const std::vector<HealthFinding>& found);
@@ -91,7 +109,7 @@ class CellJobs {
   SteadyClock clock_;
 
   std::mutex mutex_;
-  std::vector<TargetRow> loaded_;
+  Wanted loaded_;  ///< without targets, those that were taught
   std::vector<nlohmann::ordered_json> results_;
   /// The first place that a job has done: how many there are then, and when. What is checked before
   /// is not in its time.

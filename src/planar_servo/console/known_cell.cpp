@@ -85,7 +85,7 @@ std::string to_do(const CellSettings& cell, const std::array<DriveStatus, 3>& dr
     if (drives[i].position_certain) continue;
     const MotorDrive& motor = cell.transmission.drives[i];
     if (motor.home == HomeReference::kSight)
-      return "run or check the cell, which finds by sight where the arm stands, and moves it";
+      return "home the arm: the camera finds where it stands, for which joints turn a little";
     ways.push_back(motor.home == HomeReference::kTaught
                        ? fmt::format("turn joint {0} to its mark at {1:.3f} deg by hand, then mark "
                                      "{0}",
@@ -199,7 +199,8 @@ ordered_json targets_json(const std::vector<TargetRow>& targets) {
         {"id", target.id},
         {"x_mm", json_number(mm(target.p_d.x()))},
         {"y_mm", json_number(mm(target.p_d.y()))},
-        {"phi_deg", target.phi_d ? json_number(*target.phi_d / kDegree) : ordered_json(nullptr)}};
+        {"phi_deg", target.phi_d ? json_number(*target.phi_d / kDegree) : ordered_json(nullptr)},
+        {"tool", target.tool}};
   });
 }
 

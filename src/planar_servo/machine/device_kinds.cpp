@@ -7,6 +7,7 @@
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/hardware/cameras/aravis_kind.h"
 #include "planar_servo/hardware/drives/drive_kinds.h"
+#include "planar_servo/hardware/links/link_kinds.h"
 #include "planar_servo/machine/plausibility.h"
 #include "planar_servo/machine/trackers/tracker_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
@@ -223,6 +224,9 @@ const DeviceKinds& device_kinds() {
           one<VirtualDriveKind>(),
           one<TicKind>(),
           one<GrblKind>(),
+          one<CommandKind>(),
+          one<ModbusKind>(),
+          one<LinuxcncKind>(),
       },
       {
           one<NoTrackerKind>(),

@@ -13,6 +13,8 @@
 #include "planar_servo/console/doctor/doctor.h"
 #include "planar_servo/console/doctor/work_files.h"
 #include "planar_servo/files/map_file.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/plausibility.h"
 
 namespace planar {
@@ -194,6 +196,40 @@ WorkStep arm_step(const WorkFiles& work) {
       fmt::format("echo 'arm_found: arm.yaml' >>{}", shell_word(cell.file)));
 }
 
+/// The tools that the cell file names, if there are any.
+std::optional<WorkStep> tool_step(const WorkFiles& work) {
+  const CellSettings& cell = work.cell();
+  for (const auto& [name, file] : cell.tools) try {
+      CellTools(cell, name, false).with_tips({TargetRow{}});
+    } catch (const InputError& error) {
+      // One that was there is kept until its successor is.
+      const fs::path out = fs::exists(file) ? work.next_of(file.stem().string(), ".yaml") : file;
+      return step("tools", fmt::format("tool '{}': {}", name, error.what()), "",
+                  command(work, "planar-teach-tool", " -o " + shell_word(out)));
+    }
+  if (cell.tools.empty()) return std::nullopt;
+  return WorkStep{State::kDone, "tools", fmt::format("{} taught", cell.tools.size())};
+}
+
+/// The workpiece whose drawing lies beside the cell file, if there is one.
+std::optional<WorkStep> workpiece_step(const WorkFiles& work) {
+  const fs::path drawing = work.beside("work.csv"), found = work.beside("work.yaml");
+  if (!fs::exists(drawing)) return std::nullopt;
+  Reason reason;
+  if (!fs::exists(found)) {
+    reason = fmt::format("where the work of {} lies is not known yet", drawing.string());
+  } else
+    try {
+      read_works(found);
+      require_made_with({Role::kWork, found}, work_origins(work.cell(), drawing, true), false);
+    } catch (const InputError& error) {
+      reason = error.what();
+    }
+  return step("workpiece", reason, work.description(found),
+              command(work, "planar-find-work",
+                      fmt::format(" --drawing {} -o {}", shell_word(drawing), shell_word(found))));
+}
+
 /// Returns a command that writes three targets where the arm can go.
 std::string target_command(const WorkFiles& work) {
   const std::vector<Eigen::Vector2d> places = reachable_places(work.cell());
@@ -223,16 +259,22 @@ WorkStep run_step(const WorkFiles& work) {
       reason.reset();
       done = run.string() + " is a run with this calibration";
     }
+  const fs::path found = work.beside("work.yaml");
+  const std::string on_work =
+      fs::exists(work.beside("work.csv")) ? " --work " + shell_word(found) : "";
   return step("positioning", reason, done,
               command(work, "planar-servo",
-                      fmt::format(" --targets {} --out {}", shell_word(work.beside("targets.csv")),
+                      fmt::format("{} --targets {} --out {}", on_work,
+                                  shell_word(work.beside("targets.csv")),
                                   shell_word(work.next_of("run")))));
 }
 
 /// A certificate that was begun is continued.
 WorkStep certificate_step(const WorkFiles& work) {
   if (!has_tracker(work) && !work.cell().truth)
-    return {State::kDone, "certificate", "none, for which a tracker would have to judge the arm"};
+    return {State::kDone, "certificate",
+            "none, for which a tracker would have to judge the arm; planar-certify --by scale-bar "
+            "tests lengths"};
   Reason reason = "no certificate of this calibration yet";
   fs::path out = work.next_of("certificate");
   std::string done;
@@ -269,6 +311,8 @@ std::vector<WorkStep> work_steps(const fs::path& cell_file, const std::string& b
   for (WorkStep& calibration : calibration_steps(work)) steps.push_back(std::move(calibration));
   const WorkStep run = run_step(work);
   steps.push_back(calculated(arm_step(work)));
+  for (auto& optional : {tool_step(work), workpiece_step(work)})
+    if (optional) steps.push_back(*optional);
   steps.push_back(target_step(work, run.state == State::kOpen));
   steps.push_back(run);
   steps.push_back(certificate_step(work));

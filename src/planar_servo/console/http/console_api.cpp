@@ -182,6 +182,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
   answer_get("/api/reports", &ConsoleApi::reports);
   answer_get("/api/results", &ConsoleApi::results);
   answer_get("/api/targets", &ConsoleApi::targets);
+  answer_get("/api/table", &ConsoleApi::table);
   answer_get("/api/path", &ConsoleApi::path);
   answer_post("/api/operator", &ConsoleOrders::take_floor);
   server_.Post("/api/stop", [this](const Request&, Response& response) {
@@ -350,6 +351,18 @@ ConsoleApi::Json ConsoleApi::reports(const Request& /*request*/) {
 
 ConsoleApi::Json ConsoleApi::targets(const Request& /*request*/) {
   return targets_json(jobs_.places.targets());
+}
+
+ConsoleApi::Json ConsoleApi::table(const Request& /*request*/) {
+  const CellJobs::Wanted wanted = jobs_.places.wanted();
+  auto tools = Json::array();
+  for (const auto& tool : cell_.settings().tools) tools.push_back(tool.first);
+  const std::string text = targets_text(wanted.drawn);
+  return {{"csv", text.substr(text.find("id,"))},
+          {"work", wanted.work},
+          {"tool", wanted.tool},
+          {"works", jobs_.places.works()},
+          {"tools", tools}};
 }
 
 ConsoleApi::Json ConsoleApi::path(const Request& /*request*/) {

@@ -44,6 +44,7 @@ class ConsoleApi {
   Json files(const Request& request);
   Json reports(const Request& request);
   Json targets(const Request& request);
+  Json table(const Request& request);
   Json path(const Request& request);
   Json results(const Request& request);
 

@@ -135,7 +135,9 @@ ConsoleOrders::Json ConsoleOrders::keep(const Json& /*body*/, const Sender& send
 
 ConsoleOrders::Json ConsoleOrders::load_targets(const Json& body, const Sender& sender) {
   require_floor(sender.client);
-  jobs_.places.load_targets(member<std::string>(body, "csv"));
+  jobs_.places.load_targets(member<std::string>(body, "csv"),
+                            member_or<std::string>(body, "work", ""),
+                            member_or<std::string>(body, "tool", ""));
   return {{"targets", targets_json(jobs_.places.targets())}};
 }
 
@@ -152,6 +154,7 @@ ConsoleOrders::Json ConsoleOrders::run(const Json& body, const Sender& sender) {
 ConsoleOrders::Json ConsoleOrders::go(const Json& body, const Sender& sender) {
   TargetRow target;
   target.id = "place";
+  target.tool = member_or<std::string>(body, "tool", "");
   target.p_d = {length_in(body, "x_mm"), length_in(body, "y_mm")};
   if (body.contains("phi_deg"))
     target.phi_d = number_within(body, "phi_deg", kTurn_deg, "one turn either way") * kDegree;

@@ -5,13 +5,13 @@ import {byId, fixed, numberIn, placeText, put} from "./dom.js";
 import {markPlace} from "./field.js";
 import {ask} from "./link.js";
 
-let hasMap = false;
+let hasMap = false, tool = "";
 
 const placeOf = () => ({x_mm: numberIn("place-x"), y_mm: numberIn("place-y"), phi_deg: numberIn("place-phi")});
 const known = place => Object.fromEntries(Object.entries(place).filter(([, value]) => value !== null));
 
 function textOf(place, answer) {
-  const parts = [placeText([place.x_mm, place.y_mm])];
+  const parts = [placeText([place.x_mm, place.y_mm]) + (tool && ` for the tip of ${tool}`)];
   parts.push(answer.reachable ? answer.barred ? `is reached by a way round, since ${answer.barred}` : "can be reached" : `cannot be reached: ${answer.why}`);
   if (answer.sigma_mm !== null) parts.push(`expected uncertainty ${fixed(answer.sigma_mm, 4)} mm per axis`);
   if (answer.error_mm) parts.push(`vision errs by ${fixed(answer.error_mm[0], 3)}, ${fixed(answer.error_mm[1], 3)} mm`);
@@ -36,7 +36,8 @@ async function examine() {
 }
 
 /// Chooses a place in mm; nothing moves.
-export function choose([x, y], phi_deg = null) {
+export function choose([x, y], phi_deg = null, withTool = "") {
+  tool = withTool;
   byId("place-x").value = x.toFixed(3);
   byId("place-y").value = y.toFixed(3);
   if (phi_deg !== null) byId("place-phi").value = phi_deg;
@@ -54,5 +55,5 @@ export function preparePlace() {
     examine();
   });
   byId("place-form").addEventListener("input", () => setReady("go", false));
-  byId("go").addEventListener("click", () => order("api/go", known(placeOf())));
+  byId("go").addEventListener("click", () => order("api/go", {...known(placeOf()), tool}));
 }

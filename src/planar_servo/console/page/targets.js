@@ -12,7 +12,7 @@ let targets = [], results = new Map(), job = null;
 function rowOf(target) {
   const result = results.get(target.id) || null;
   const go = make("button", {type: "button", class: "plain"}, target.id);
-  go.addEventListener("click", () => choose([target.x_mm, target.y_mm], target.phi_deg));
+  go.addEventListener("click", () => choose([target.x_mm, target.y_mm], target.phi_deg, target.tool));
   const number = (value, decimals) => make("td", {class: "number"}, fixed(value, decimals));
   return make("tr", {class: kindOf(result)}, make("th", {scope: "row"}, go), number(target.x_mm, 3),
     number(target.y_mm, 3), number(target.phi_deg, 2), make("td", {class: "state"}, stateText(result)),
@@ -34,19 +34,22 @@ function showTargets() {
   showOnField(targets, results);
 }
 
-const csvOf = list => "id,x_mm,y_mm,phi_deg\n" + list.map(({id, x_mm, y_mm, phi_deg}) =>
-  [id, x_mm, y_mm, phi_deg === null || phi_deg === undefined ? "" : phi_deg].join(",") + "\n").join("");
-
-function take(list) {
-  targets = list;
-  if (!byId("csv").matches(":focus")) byId("csv").value = csvOf(list);
-  showTargets();
+/// Offers these names after the first choice, which is none of them; nothing where there are none.
+function offer(id, names, chosen) {
+  const list = byId(id);
+  list.replaceChildren(list.options[0], ...names.map(name => make("option", {value: name}, name)));
+  list.value = chosen;
+  show(`${id}-row`, names.length > 0);
 }
 
 export async function loadTargets() {
-  const [list, rows] = await Promise.all([ask("api/targets"), ask("api/results")]);
+  const [list, table, rows] = await Promise.all([ask("api/targets"), ask("api/table"), ask("api/results")]);
   for (const row of rows) heed(row);
-  take(list);
+  targets = list;
+  if (!byId("csv").matches(":focus")) byId("csv").value = table.csv;
+  offer("on-work", table.works, table.work);
+  offer("with-tool", table.tools, table.tool);
+  showTargets();
 }
 
 /// A row of the last job, which takes the place of all of the job before.
@@ -64,12 +67,20 @@ export function addResult(row) {
   showOnField(targets, results);
 }
 
+/// A work may have been found since the page was loaded.
+async function refreshChoices() {
+  const {works, tools} = await ask("api/table");
+  offer("on-work", works, byId("on-work").value);
+  offer("with-tool", tools, byId("with-tool").value);
+}
+
 async function keep(event) {
   event.preventDefault();
-  const answer = await order("api/targets", {csv: byId("csv").value});
+  const answer = await order("api/targets",
+    {csv: byId("csv").value, work: byId("on-work").value, tool: byId("with-tool").value});
   if (!answer) return;
   results.clear();
-  take(answer.targets);
+  await attempt(loadTargets);
   byId("edit").open = false;
 }
 
@@ -104,5 +115,6 @@ export function prepareTargets() {
   byId("run-anew").addEventListener("click", runAnew);
   byId("targets-form").addEventListener("submit", keep);
   offerFile("csv-file", "csv");
+  byId("edit").addEventListener("toggle", () => byId("edit").open && attempt(refreshChoices));
   document.addEventListener("taught", () => attempt(loadTargets));
 }

@@ -163,6 +163,18 @@ std::string target_line(const TargetRow& row) {
   return target_schema().line(row);
 }
 
+std::string targets_text(const std::vector<TargetRow>& rows) {
+  const bool has_tools =
+      std::any_of(rows.begin(), rows.end(), [](const TargetRow& row) { return !row.tool.empty(); });
+  std::string text = targets_header();
+  if (has_tools) text.insert(text.size() - 1, ",tool");
+  for (const TargetRow& row : rows) {
+    text += target_line(row);
+    if (has_tools && row.tool.empty()) text.insert(text.size() - 1, ",");
+  }
+  return text;
+}
+
 TargetLines::TargetLines(const std::string& source, std::set<std::string> taken)
     : table_(source, target_schema().kind, target_schema().columns().names(Column::kRequired), {},
              target_schema().columns().names(Column::kOptional)),

@@ -32,6 +32,8 @@ std::vector<TargetRow> read_targets(const std::filesystem::path& path);
 /// Returns the header with the columns id, x_mm, y_mm, phi_deg.
 std::string targets_header();
 std::string target_line(const TargetRow& row);
+/// Returns the whole table, with the column tool where a target names one.
+std::string targets_text(const std::vector<TargetRow>& rows);
 
 /// Reads a table of targets as its lines arrive. A first line without any number is its header. In
 /// a table without a header, the columns are id, x_mm, y_mm and, where a line has a fourth field,

@@ -24,16 +24,6 @@ constexpr Named<HomeReference> kReferences[] = {{HomeReference::kTaught, "taught
                                                 {HomeReference::kForwardSwitch, "forward_switch"},
                                                 {HomeReference::kSight, "sight"}};
 
-/// Returns that key, with comments, for a motor in a new cell file that is moved to a mark by hand.
-std::string new_home(double mark_deg) {
-  return fmt::format(
-      R"(    home:
-      reference: taught            # taught (by hand), reverse_switch, forward_switch, sight
-      at_deg: {:<20g} # motor's angle behind its gear at that mark or switch
-)",
-      mark_deg);
-}
-
 constexpr const char* kSubject = "drives";
 constexpr const char* kSeeDrives = "see doc/drives.md";
 
@@ -116,6 +106,15 @@ std::vector<Finding> examine_inputs(const std::string& on) {
 }
 
 }  // namespace
+
+std::string new_home(double mark_deg) {
+  return fmt::format(
+      R"(    home:
+      reference: taught            # taught (by hand), reverse_switch, forward_switch, sight
+      at_deg: {:<20g} # motor's angle behind its gear at that mark or switch
+)",
+      mark_deg);
+}
 
 void list_home(Fields& drive, MotorDrive& motor) {
   drive.map("home", [&] {

@@ -15,6 +15,9 @@ namespace planar {
 /// Lists the key `home` of an item of `drives`: where a motor's position is counted from.
 void list_home(Fields& drive, MotorDrive& motor);
 
+/// Returns that key, with comments, for a motor in a new cell file that is moved to a mark by hand.
+std::string new_home(double mark_deg);
+
 /// Examines the board's port, the permission to use it, its firmware, settings and state. The board
 /// is reset for it, by which it forgets its position; nothing moves.
 std::vector<Finding> examine_grbl(const GrblSettings& settings);

@@ -20,12 +20,13 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/rehearsal/gige_camera.h"
-#include "planar_servo/machine/rehearsal/grbl_motors.h"
 #include "planar_servo/machine/rehearsal/live_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr double kMostBroken_percent = 90.0;
 constexpr double kMostPpm = 10000.0;
@@ -133,10 +134,10 @@ const CellSettings& checked(const CellSettings& cell) {
 ServedPlaces places_of(const ServeRequest& request) {
   ServedPlaces places{request.address,
                       kCameraSerial,
-                      request.grbl_port,
+                      request.motor_port,
                       TrackerPort{request.address, kTrackerPort},
                       request.tracker.decimal_comma,
-                      request.grbl_firmware.has_value()};
+                      request.board};
   if (request.tracker_file) places.tracker = *request.tracker_file;
   return places;
 }
@@ -172,15 +173,24 @@ void make_real(YAML::Node camera, const ServedPlaces& places) {
 }
 
 void make_real(YAML::Node drive, const MotorDrive& motor, char axis, const ServedPlaces& places) {
+  const bool has_switches = places.board == ServedBoard::kEmulated;
+  drive["home"] = flow_map();
+  drive["home"]["reference"] = has_switches ? "reverse_switch" : "taught";
+  drive["home"]["at_deg"] = shortest(motor.home_rad / kDegree);
+  drive["max_speed_deg_s"] = shortest(served_speed_deg_s(motor, places.board));
+  if (places.board == ServedBoard::kShafts) {
+    drive["kind"] = "command";
+    for (const std::string& word : {std::string("python3"), std::string("motion_program.py"),
+                                    fs::absolute(places.motor_port).string()})
+      drive["program"].push_back(word);
+    drive["program"].SetStyle(YAML::EmitterStyle::Flow);
+    return;
+  }
   drive["kind"] = "grbl";
-  drive["port"] = places.grbl_port.string();
+  drive["port"] = places.motor_port.string();
   drive["baud"] = 115200;
   drive["axis"] = axis;
   drive["pulses_per_mm"] = shortest(kServedPulsesPerMm);
-  drive["home"] = flow_map();
-  drive["home"]["reference"] = places.firmware ? "taught" : "reverse_switch";
-  drive["home"]["at_deg"] = shortest(motor.home_rad / kDegree);
-  drive["max_speed_deg_s"] = shortest(served_speed_deg_s(motor, places.firmware));
 }
 
 void make_real_tracker(YAML::Node tracker, const ServedPlaces& places) {
@@ -263,10 +273,10 @@ struct ServedCell::Impl {
   explicit Impl(const ServeRequest& request)
       : cell(checked(request.cell)),
         places(places_of(request)),
-        lock(places.grbl_port.parent_path()),
+        lock(places.motor_port.parent_path()),
         truth(read_truth(*cell.truth)),
         live(truth, virtual_hardware(cell)),
-        motors(cell, places.grbl_port, live, request.grbl_firmware),
+        motors(cell, places.motor_port, live, request.board, request.firmware),
         tracker(places.tracker, request.tracker, truth.seed, live) {
     power_camera(true);
     if (request.truth_log) truth_log.emplace(*request.truth_log, live);
@@ -287,7 +297,7 @@ struct ServedCell::Impl {
   FolderLock lock;
   Truth truth;
   LiveCell live;
-  GrblMotors motors;
+  ServedMotors motors;
   ServedTracker tracker;
   std::optional<GigeCamera> camera;
   std::optional<TruthLog> truth_log;
@@ -300,8 +310,9 @@ ServedCell::~ServedCell() = default;
 std::string ServedCell::description() const {
   const ServedPlaces& places = impl_->places;
   return fmt::format(
-      "camera   GigE Vision on {}\ndrives   Grbl at {}\ntracker  {}", places.address,
-      places.grbl_port.string(),
+      "camera   GigE Vision on {}\ndrives   {} {}\ntracker  {}", places.address,
+      places.board == ServedBoard::kShafts ? "follow counts from" : "Grbl at",
+      places.motor_port.string(),
       std::visit([](const auto& where) { return described(where); }, places.tracker));
 }
 

@@ -15,6 +15,7 @@
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/machine/rehearsal/live_cell.h"
+#include "planar_servo/machine/rehearsal/served_motors.h"
 
 namespace planar {
 
@@ -86,26 +87,27 @@ class ServedTracker {
 /// Where a served cell's devices are found.
 struct ServedPlaces {
   std::string address, camera_id;
-  std::filesystem::path grbl_port;
+  std::filesystem::path motor_port;  ///< of the board, or the pipe of the shafts
   TrackerOutlet tracker;
   bool decimal_comma{false};  ///< in the tracker's lines
-  bool firmware{false};       ///< whether the board is real firmware, which has no home switches
+  ServedBoard board{ServedBoard::kEmulated};
 };
 
 /// Returns the text of a cell file that states where the devices are found, and otherwise what the
 /// virtual cell's file states. It names no truth. Motors are as fast as their Grbl board (see
-/// served_speed_deg_s()).
+/// served_speed_deg_s()); those that follow counts are moved by examples/python/motion_program.py
+/// beside the cell, until another kind of drive is named.
 std::string live_cell_text(const CellSettings& cell, const ServedPlaces& places);
 
 /// What is to be served, and where.
 struct ServeRequest {
   CellSettings cell;                 ///< a virtual one
   std::string address{"127.0.0.1"};  ///< of this machine, for camera and tracker
-  /// Where to put the link to the board's serial port; its folder serves one cell at a time.
-  std::filesystem::path grbl_port;
-  /// A simulator of Grbl 1.1 that is the board, which has no home switches then; without it the
-  /// board is emulated.
-  std::optional<std::filesystem::path> grbl_firmware;
+  /// Where to put the link to the board's serial port, or the pipe of the shafts; its folder serves
+  /// one cell at a time.
+  std::filesystem::path motor_port;
+  ServedBoard board{ServedBoard::kEmulated};
+  std::filesystem::path firmware{};  ///< a simulator of Grbl 1.1, where that is the board
   /// The file to which the tracker appends its lines; without it they come from a port.
   std::optional<std::filesystem::path> tracker_file;
   ReflectorDialect tracker;
@@ -113,8 +115,8 @@ struct ServeRequest {
 };
 
 /// A virtual cell as real devices of this machine: its camera on GigE Vision, its drives as a Grbl
-/// board, its tracker as lines on a port or in a file. The devices serve as long as this object
-/// lives.
+/// board or following counts, its tracker as lines on a port or in a file. The devices serve as
+/// long as this object lives.
 class ServedCell {
  public:
   /// Clients find the devices once this returns. Throws InputError when the cell is not virtual or

@@ -260,7 +260,9 @@ void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor
     const std::string turns = turns_text(cell, theta);
     if (!turns.empty() && (!may_home || !may_home(Homing::kTurn, turns)))
       throw WorkError(
-          {turns, "if these are the turns on which the motors stand, start with --nearest-turn"});
+          {turns,
+           "if these are the turns on which the motors stand, start with --nearest-turn (by hand: "
+           "home nearest-turn)"});
     robot.set_joints(theta);
     spdlog::info(fmt::format("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " ")));
   } catch (...) {

@@ -32,7 +32,9 @@ int joint_of(const std::string& word) {
 }
 
 ArmCommand home(const Words& words) {
-  return words.empty() ? HomeCommand{} : HomeCommand{joint_of(words[0])};
+  if (words.empty()) return HomeCommand{};
+  if (words[0] == "nearest-turn") return HomeCommand{{}, true};
+  return HomeCommand{joint_of(words[0])};
 }
 
 ArmCommand turn(const Words& words) {
@@ -68,7 +70,8 @@ struct Verb {
 const Verb kVerbs[] = {
     {"enable", 0, 0, plain<EnableCommand>, "switch the drives on, also after a fault"},
     {"home", 0, 1, home,
-     "[JOINT]: search the home switch of that joint, or of every joint that needs it"},
+     "[JOINT]: search the home switch of that joint, or of every joint that needs it; by sight, "
+     "home nearest-turn says that the motors stand on the turns nearest to home"},
     {"mark", 1, 1, [](const Words& words) -> ArmCommand { return MarkCommand{joint_of(words[0])}; },
      "JOINT: say that the motor stands at its mark now"},
     {"joint", 2, 2, turn, "JOINT DEG: turn one motor"},

@@ -11,9 +11,11 @@ namespace planar {
 // What a person, a page or a program orders of an arm by hand. Joints count from 0.
 
 struct EnableCommand {};
-/// Homes one joint, or every one that needs it.
+/// Homes one joint, or every one that needs it. By sight, a motor that may stand on several turns
+/// stands on the one nearest to home only if this is said.
 struct HomeCommand {
   std::optional<int> joint{};
+  bool nearest_turn{false};
 };
 /// The motor of this joint stands at its mark now.
 struct MarkCommand {

@@ -56,6 +56,21 @@ std::size_t JogArm::home(std::optional<int> joint) {
   return joints.size();
 }
 
+std::size_t JogArm::home_by(const std::function<void(PlanarRobot&)>& way) {
+  const std::size_t homed = robot_.unhomed().empty() ? 0 : cell_.drives.size();
+  if (homed == 0) return homed;
+  require_enabled();
+  way(robot_);
+  return homed;
+}
+
+void JogArm::mark(int joint) {
+  if (homes_by_sight())
+    throw InputError(Refusal{"the drives of this cell have no marks: they are homed by sight",
+                             "give the command home"});
+  robot_.teach_home(joint);
+}
+
 void JogArm::turn(int joint, double angle) {
   require_ready();
   const Transmission& transmission = planner_.transmission();
@@ -131,8 +146,8 @@ void JogArm::require_ready() {
 std::string JogArm::how_to_home() {
   if (robot_.homes_by_sight())
     return robot_.unhomed().empty() ? ""
-                                    : "the camera finds where they stand when planar-check-cell "
-                                      "or planar-servo is started with --home";
+                                    : "home the arm: the camera finds where it stands, for which "
+                                      "joints turn a little";
   std::vector<std::string> to_search, ways;
   for (const int joint : robot_.unhomed()) {
     if (const auto mark = robot_.home_mark(joint))

@@ -32,8 +32,11 @@ class JogArm {
   /// Searches the home switch of a joint or, without one, of every joint that needs it. Returns how
   /// many were homed.
   std::size_t home(std::optional<int> joint);
+  bool homes_by_sight() const { return robot_.homes_by_sight(); }
+  /// Homes all joints in this way where one needs it. Returns how many were homed.
+  std::size_t home_by(const std::function<void(PlanarRobot&)>& way);
   /// Says that a motor stands at its mark.
-  void mark(int joint) { robot_.teach_home(joint); }
+  void mark(int joint);
 
   /// Turns the motor behind its gear, and with it what rides on that link.
   void turn(int joint, double angle);

@@ -16,6 +16,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/csv_table.h"
+#include "planar_servo/work/homing/sight_homing.h"
 
 namespace planar {
 namespace {
@@ -122,16 +123,17 @@ const TargetRow& TaughtTargets::at(const std::string& id) const {
 
 JogConsole::JogConsole(const CalibratedCell& cell, CellDevices& devices, const fs::path& teach,
                        const std::function<bool()>& stop, Announce announce)
-    : cell_(cell.settings),
+    : cell_(cell),
       devices_(devices),
       announce_(announce ? std::move(announce) : [](const std::string&) {}),
       arm_(cell, devices, stop, announce_),
-      lamps_({devices.camera().sensor_size_px(), cell_.lamps.layout, cell.vision,
-              cell_.reference_lamps},
-             cell_.lamps.method, devices.camera(), cell_.camera.follow_region_px) {
+      lamps_({devices.camera().sensor_size_px(), cell_.settings.lamps.layout, cell.vision,
+              cell_.settings.reference_lamps},
+             cell_.settings.lamps.method, devices.camera(),
+             cell_.settings.camera.follow_region_px) {
   if (cell.vision)
-    sensor_.emplace(*cell.vision, cell_.lamps.method, devices.camera(),
-                    cell_.camera.follow_region_px);
+    sensor_.emplace(*cell.vision, cell_.settings.lamps.method, devices.camera(),
+                    cell_.settings.camera.follow_region_px);
   if (!teach.empty()) taught_.emplace(teach);
 }
 
@@ -157,10 +159,25 @@ std::string JogConsole::perform(const EnableCommand& /*command*/) {
 }
 
 std::string JogConsole::perform(const HomeCommand& command) {
-  const std::size_t homed = arm_.home(command.joint);
+  const std::size_t homed =
+      arm_.homes_by_sight() ? home_by_sight(command.nearest_turn) : arm_.home(command.joint);
   return fmt::format("{} homed", homed == 0   ? "nothing had to be"
                                  : homed == 1 ? "one joint"
                                               : fmt::format("{} joints", homed));
+}
+
+std::size_t JogConsole::home_by_sight(bool nearest_turn) {
+  if (!sensor_)
+    throw InputError(
+        Refusal{"the camera cannot find where the joints stand: the cell's vision is "
+                "not calibrated yet",
+                "until then turn the arm to marks and name these under home "
+                "(reference: taught)"});
+  announce_look(cell_.settings.servo.frames_per_measurement);
+  return arm_.home_by([&](PlanarRobot& robot) {
+    planar::home_by_sight(cell_, robot, *sensor_,
+                          [&](Homing, const std::string&) { return nearest_turn; });
+  });
 }
 
 std::string JogConsole::perform(const MarkCommand& command) {
@@ -191,7 +208,7 @@ std::string JogConsole::perform(const WhereCommand& /*command*/) {
 }
 
 std::string JogConsole::perform(const LookCommand& /*command*/) {
-  announce_look(sensor_ ? cell_.servo.frames_per_measurement : 0);
+  announce_look(sensor_ ? cell_.settings.servo.frames_per_measurement : 0);
   std::string text = read_exposure(lamps_.whole_frame().image).text();
   if (!sensor_) return text + "\nthe cell's vision is not calibrated yet";
   if (const std::string unknown = arm_.how_to_home(); !unknown.empty())
@@ -255,16 +272,16 @@ std::string JogConsole::perform(const TeachCommand& command) {
 
 void JogConsole::announce_look(int frames) {
   const cv::Size sensor_px = devices_.camera().sensor_size_px();
-  const double settle_s = frames > 0 ? cell_.servo.settle_s : 0.0;
+  const double settle_s = frames > 0 ? cell_.settings.servo.settle_s : 0.0;
   constexpr int kWhole = 2;  // a whole frame, which begins while another one is under way
-  announce_(fmt::format("looking at the whole frame of {} x {} px: about {:.0f} s", sensor_px.width,
-                        sensor_px.height,
-                        std::ceil(settle_s + (kWhole + frames) / cell_.camera.frame_rate_hz)));
+  announce_(fmt::format(
+      "looking at the whole frame of {} x {} px: about {:.0f} s", sensor_px.width, sensor_px.height,
+      std::ceil(settle_s + (kWhole + frames) / cell_.settings.camera.frame_rate_hz)));
 }
 
 TipMeasurement JogConsole::measure() {
-  devices_.clock().sleep_for_s(cell_.servo.settle_s);
-  TipMeasurement seen = sensor_->measure(arm_.tip(), cell_.servo.frames_per_measurement);
+  devices_.clock().sleep_for_s(cell_.settings.servo.settle_s);
+  TipMeasurement seen = sensor_->measure(arm_.tip(), cell_.settings.servo.frames_per_measurement);
   if (seen.ok()) seen_ = Seen{seen.tip.p, *arm_.known_pulses()};
   return seen;
 }

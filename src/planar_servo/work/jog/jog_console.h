@@ -70,6 +70,7 @@ class JogConsole {
   std::string perform(const ExposeCommand& command);
   std::string perform(const TeachCommand& command);
 
+  std::size_t home_by_sight(bool nearest_turn);
   /// Says that the camera is looked through, for some frames beside a whole one.
   void announce_look(int frames);
   TipMeasurement measure();
@@ -80,7 +81,7 @@ class JogConsole {
     Pulses pulses;
   };
 
-  CellSettings cell_;
+  CalibratedCell cell_;
   CellDevices& devices_;
   Announce announce_;
   JogArm arm_;

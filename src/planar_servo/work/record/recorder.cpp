@@ -13,6 +13,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
@@ -21,6 +22,7 @@
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/vision/lamp_tip_sensor.h"
 #include "planar_servo/loop/vision/reference_lamps.h"
+#include "planar_servo/work/homing/sight_homing.h"
 #include "planar_servo/work/record/board_source.h"
 #include "planar_servo/work/record/record_progress.h"
 #include "planar_servo/work/record/recording_readings.h"
@@ -158,8 +160,20 @@ class Recorder {
 
   void make_ready() {
     robot_.energize();
-    home_where_needed(robot_, may_home_);
+    home_where_needed(robot_, may_home_, "", sight_homing());
     energized_ = true;
+  }
+
+  /// Returns how the camera finds where the joints stand; empty before the vision is calibrated.
+  std::function<void()> sight_homing() {
+    if (!robot_.homes_by_sight()) return {};
+    const auto known = std::make_shared<CalibratedCell>(read_calibrated_cell(cell_));
+    if (!known->vision) return {};
+    return [this, known] {
+      LampTipSensor sensor(*known->vision, cell_.lamps.method, devices_.camera(),
+                           cell_.camera.follow_region_px);
+      home_by_sight(*known, robot_, sensor, may_home_);
+    };
   }
 
   void approach(const Joints& theta) {

@@ -1,4 +1,4 @@
-#include "planar_servo/machine/rehearsal/grbl_motors.h"
+#include "planar_servo/machine/rehearsal/served_motors.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -79,7 +79,7 @@ TEST_CASE("Pulses of a served board turn the arm by the truth's gears, whatever 
   truth.build.gear_ratios->x() *= 0.5;
   truth.build.directions->x() *= -1.0;
   LiveCell live(truth, hardware);
-  const GrblMotors motors(drawn.cell, drawn.folder / "port", live);
+  const ServedMotors motors(drawn.cell, drawn.folder / "port", live);
   const CellSettings cell = drawn.live();
   const auto drives = cell.drives[0].kind->open(cell, nullptr);
   drives->energize();

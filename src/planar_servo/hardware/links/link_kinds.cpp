@@ -1,0 +1,329 @@
+#include "planar_servo/hardware/links/link_kinds.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <tuple>
+
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/fields.h"
+#include "planar_servo/geometry/arm/transmission.h"
+#include "planar_servo/hardware/drives/drive_kinds.h"
+#include "planar_servo/hardware/links/command_link.h"
+#include "planar_servo/hardware/links/linked_drives.h"
+#include "planar_servo/hardware/links/linuxcnc_link.h"
+#include "planar_servo/hardware/links/modbus_link.h"
+
+namespace planar {
+namespace {
+
+constexpr const char* kDrives = "drives";
+constexpr double kLeastAnswer_ms = 20.0, kMostAnswer_ms = 2000.0;
+
+/// Returns the limits of a cell's motors, in pulses.
+std::array<DriveLimits, 3> limits_of(const CellSettings& cell) {
+  const Eigen::Vector3d pulses_per_rad = Transmission(cell.transmission).pulses_per_rad();
+  std::array<DriveLimits, 3> limits;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MotorDrive& motor = cell.transmission.drives[i];
+    const double scale = std::abs(pulses_per_rad[static_cast<int>(i)]);
+    limits[i] = {scale * motor.max_speed_rad_s, scale * motor.max_acceleration_rad_s2};
+  }
+  return limits;
+}
+
+struct CommandDetails final : DeviceDetails {
+  MotionProgram program;
+};
+
+const MotionProgram& program_of(const CellSettings& cell, std::size_t joint) {
+  return static_cast<const CommandDetails&>(*cell.drives[joint].details).program;
+}
+
+std::string name_of(const MotionProgram& program) {
+  return fmt::format("the program {}", program.words.front());
+}
+
+}  // namespace
+
+std::string CommandKind::new_keys(std::size_t /*joint*/, double mark_deg) const {
+  return R"(    program: [python3, motion.py]  # your program and its arguments; see doc/motion_program.md
+    answer_ms: 200                 # how long an answer of it may take
+)" + new_home(mark_deg);
+}
+
+void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
+  auto details = std::make_shared<CommandDetails>();
+  MotionProgram& program = details->program;
+  drive.texts("program", program.words);
+  drive.check(!program.words.empty(),
+              {"program names nothing",
+               "give the program and its "
+               "arguments, such as [python3, motion.py]"},
+              "program");
+  drive.number("answer_ms", program.answer_s, kMillisecond,
+               Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
+  program.folder = cell.file.parent_path();
+  cell.drives[joint].details = details;
+  list_home(drive, cell.transmission.drives[joint]);
+  for (std::size_t i = 0; i < joint; ++i)
+    if (cell.drives[i].kind == this)
+      drive.check(program_of(cell, i).words == program.words,
+                  {fmt::format("drives[{}] has another program than drives[{}]", joint, i),
+                   "one program moves the three joints"},
+                  "program");
+}
+
+std::shared_ptr<DriveGroup> CommandKind::open(const CellSettings& cell,
+                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
+  const MotionProgram& program = program_of(cell, 0);
+  return std::make_shared<LinkedDrives>(name_of(program), limits_of(cell), [program] {
+    return std::make_unique<CommandLink>(program);
+  });
+}
+
+std::vector<Finding> CommandKind::examine(const CellSettings& cell) const {
+  const MotionProgram& program = program_of(cell, 0);
+  try {
+    CommandLink link(program);
+    const MachineState state = link.read();
+    if (!state.faults.empty())
+      return {faulty(kDrives, {fmt::format("{}: {}", link.machine(), state.faults.front())},
+                     "remove the cause")};
+    return {{{fmt::format("{}, {}", link.machine(), state.on ? "switched on" : "off"), "", kDrives},
+             Finding::Verdict::kWell}};
+  } catch (const WorkError& error) {
+    const Refusal& why = error.refusal();
+    return {faulty(kDrives, {fmt::format("{}: {}", name_of(program), why.fault), why.remedy},
+                   "see doc/motion_program.md")};
+  }
+}
+
+namespace {
+
+constexpr int kLowestAddress = 1, kHighestAddress = 247;
+constexpr Named<char> kParities[] = {{'N', "none"}, {'E', "even"}, {'O', "odd"}};
+
+/// What one item of `drives` says of its driver and the line.
+struct ModbusDetails final : DeviceDetails {
+  ModbusLine line;
+  std::string registers;  ///< the map's file, beside the cell's
+  int address{1};
+};
+
+const ModbusDetails& modbus_of(const CellSettings& cell, std::size_t joint) {
+  return static_cast<const ModbusDetails&>(*cell.drives[joint].details);
+}
+
+/// Checks that a joint is another driver on the same line.
+void check_line(Fields& drive, const CellSettings& cell, std::size_t joint, std::size_t other) {
+  const ModbusDetails& one = modbus_of(cell, joint);
+  const ModbusDetails& first = modbus_of(cell, other);
+  const auto line = [](const ModbusDetails& details) {
+    return std::tie(details.line.port, details.line.baud, details.line.parity,
+                    details.line.stop_bits, details.line.answer_s, details.registers);
+  };
+  drive.check(line(one) == line(first),
+              {fmt::format("drives[{}] has another line or map than drives[{}]", joint, other),
+               "the three drivers are of one make, on one line"});
+  drive.check(one.address != first.address,
+              {fmt::format("drives[{}] has address {} as drives[{}]", joint, one.address, other),
+               "set another one at the driver"},
+              "address");
+}
+
+/// Returns the map's file: beside the cell file, or else of those that came with the programs,
+/// installed or in the checkout.
+std::filesystem::path map_file(const CellSettings& cell, const std::string& name) {
+  namespace fs = std::filesystem;
+  const fs::path beside = cell.file.parent_path() / name;
+  std::error_code unknown;
+  const fs::path programs = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  for (const fs::path& folder :
+       {programs / "../share/planar-servo/calib/modbus", programs / "../../../calib/modbus"})
+    if (!fs::exists(beside) && fs::exists(folder / name)) return folder / name;
+  return beside;
+}
+
+ModbusLine line_of(const CellSettings& cell) {
+  ModbusLine line = modbus_of(cell, 0).line;
+  for (std::size_t i = 0; i < 3; ++i) {
+    line.addresses[i] = modbus_of(cell, i).address;
+    line.counts_per_turn[i] = cell.transmission.drives[i].pulses_per_motor_turn;
+  }
+  return line;
+}
+
+std::string name_of(const ModbusLine& line) {
+  return fmt::format("{} on {}", line.map.name, line.port);
+}
+
+}  // namespace
+
+std::string ModbusKind::new_keys(std::size_t joint, double mark_deg) const {
+  return fmt::format(
+             R"(    port: /dev/serial/by-id/ADAPTER  # the RS-485 adapter of all joints
+    baud: 115200
+    parity: none                   # none, even, odd
+    address: {:<21} # of this joint's driver
+    registers: leadshine-rs.yaml   # map of its registers: doc/modbus.md
+)",
+             joint + 1) +
+         new_home(mark_deg);
+}
+
+void ModbusKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
+  auto details = std::make_shared<ModbusDetails>();
+  ModbusLine& line = details->line;
+  drive.text("port", line.port);
+  drive.whole_number("baud", line.baud, 1200, 1000000);
+  drive.choice("parity", line.parity, kParities);
+  if (drive.given("stop_bits", false)) drive.whole_number("stop_bits", line.stop_bits, 1, 2);
+  if (drive.given("answer_ms", false))
+    drive.number("answer_ms", line.answer_s, kMillisecond,
+                 Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
+  drive.whole_number("address", details->address, kLowestAddress, kHighestAddress);
+  drive.text("registers", details->registers);
+  cell.drives[joint].details = details;
+  list_home(drive, cell.transmission.drives[joint]);
+  for (std::size_t i = 0; i < joint; ++i)
+    if (cell.drives[i].kind == this) check_line(drive, cell, joint, i);
+}
+
+void ModbusKind::complete(CellSettings& cell, std::size_t joint) const {
+  auto details = std::make_shared<ModbusDetails>(modbus_of(cell, joint));
+  details->line.map = read_modbus_map(map_file(cell, details->registers));
+  cell.drives[joint].details = details;
+}
+
+std::shared_ptr<DriveGroup> ModbusKind::open(const CellSettings& cell,
+                                             const std::shared_ptr<VirtualCell>& /*world*/) const {
+  const ModbusLine line = line_of(cell);
+  return std::make_shared<LinkedDrives>(name_of(line), limits_of(cell),
+                                        [line] { return std::make_unique<ModbusLink>(line); });
+}
+
+std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
+  const ModbusLine line = line_of(cell);
+  try {
+    ModbusLink link(line);
+    const MachineState state = link.read();
+    if (!state.faults.empty())
+      return {faulty(kDrives, Refusal{state.faults.front()}, "look it up in the driver's manual")};
+    constexpr int kTelegrams = 100;
+    while (link.errors().telegrams < kTelegrams) link.read();
+    const LineErrors& errors = link.errors();
+    if (errors.garbled + errors.unanswered > 0)
+      return {{{fmt::format("{}: of {} telegrams {} were garbled and {} not answered",
+                            name_of(line), errors.telegrams, errors.garbled, errors.unanswered),
+                "look at the line's resistors at both ends, its shield and ground", kDrives},
+               Finding::Verdict::kDoubtful}};
+    return {
+        {{fmt::format("{}: all three answer, {}", name_of(line), state.on ? "switched on" : "off"),
+          "", kDrives},
+         Finding::Verdict::kWell}};
+  } catch (const WorkError& error) {
+    return {faulty(kDrives, error.refusal(), "see doc/modbus.md")};
+  }
+}
+
+namespace {
+
+constexpr Named<char> kLinuxcncAxes[] = {{'A', "A"}, {'B', "B"}, {'C', "C"}, {'X', "X"}, {'Y', "Y"},
+                                         {'Z', "Z"}, {'U', "U"}, {'V', "V"}, {'W', "W"}};
+constexpr int kMostJoint = 15, kHighestPort = 65535;
+
+struct LinuxcncDetails final : DeviceDetails {
+  LinuxcncHost host;
+  LinuxcncJoint joint;
+};
+
+const LinuxcncDetails& linuxcnc_of(const CellSettings& cell, std::size_t joint) {
+  return static_cast<const LinuxcncDetails&>(*cell.drives[joint].details);
+}
+
+LinuxcncHost host_of(const CellSettings& cell) {
+  LinuxcncHost host = linuxcnc_of(cell, 0).host;
+  const Eigen::Vector3d pulses_per_rad = Transmission(cell.transmission).pulses_per_rad();
+  const auto limits = limits_of(cell);
+  for (std::size_t i = 0; i < 3; ++i) {
+    host.joints[i] = linuxcnc_of(cell, i).joint;
+    host.joints[i].counts_per_deg = std::abs(pulses_per_rad[static_cast<int>(i)]) * kDegree;
+    host.joints[i].rated = limits[i];
+    host.joints[i].has_switch = is_switch(cell.transmission.drives[i].home);
+  }
+  return host;
+}
+
+std::string name_of(const LinuxcncHost& host) {
+  return fmt::format("LinuxCNC at {}:{}", host.host, host.port);
+}
+
+}  // namespace
+
+std::string LinuxcncKind::new_keys(std::size_t joint, double mark_deg) const {
+  return fmt::format(
+             R"(    host: 127.0.0.1                # where linuxcncrsh listens
+    axis: {:<24} # the letter of LinuxCNC's axis that turns this joint
+    joint: {:<23} # its number, as in [JOINT_{}]
+)",
+             kLinuxcncAxes[joint].name, joint, joint) +
+         new_home(mark_deg);
+}
+
+void LinuxcncKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
+  auto details = std::make_shared<LinuxcncDetails>();
+  LinuxcncHost& host = details->host;
+  drive.text("host", host.host);
+  if (drive.given("port", false)) drive.whole_number("port", host.port, 1, kHighestPort);
+  if (drive.given("password", false)) drive.text("password", host.password);
+  if (drive.given("enable_password", false)) drive.text("enable_password", host.enable_password);
+  drive.choice("axis", details->joint.axis, kLinuxcncAxes);
+  drive.whole_number("joint", details->joint.number, 0, kMostJoint);
+  cell.drives[joint].details = details;
+  list_home(drive, cell.transmission.drives[joint]);
+  for (std::size_t i = 0; i < joint; ++i) {
+    if (cell.drives[i].kind != this) continue;
+    const LinuxcncDetails& other = linuxcnc_of(cell, i);
+    const auto place = [](const LinuxcncHost& of) {
+      return std::tie(of.host, of.port, of.password, of.enable_password);
+    };
+    drive.check(
+        place(other.host) == place(host),
+        {fmt::format("drives[{}] has another host, port or password than drives[{}]", joint, i),
+         "the three joints are those of one machine"});
+    drive.check(
+        other.joint.axis != details->joint.axis && other.joint.number != details->joint.number,
+        {fmt::format("drives[{}] has the axis or joint of drives[{}]", joint, i),
+         "each needs its own"});
+  }
+}
+
+std::shared_ptr<DriveGroup> LinuxcncKind::open(
+    const CellSettings& cell, const std::shared_ptr<VirtualCell>& /*world*/) const {
+  const LinuxcncHost host = host_of(cell);
+  return std::make_shared<LinkedDrives>(
+      name_of(host), limits_of(cell), [host] { return std::make_unique<LinuxcncLink>(host); },
+      kInPosition_counts);
+}
+
+std::vector<Finding> LinuxcncKind::examine(const CellSettings& cell) const {
+  const LinuxcncHost host = host_of(cell);
+  try {
+    LinuxcncLink link(host);
+    const MachineState state = link.read();
+    if (!state.faults.empty())
+      return {faulty(kDrives, Refusal{state.faults.front()}, "look at LinuxCNC's own messages")};
+    const std::string found =
+        fmt::format("{}, {}", name_of(host), state.on ? "switched on" : "off");
+    if (!link.unchecked().empty())
+      return {{{found, link.unchecked(), kDrives}, Finding::Verdict::kDoubtful}};
+    return {{{found + ", with the cell's settings", "", kDrives}, Finding::Verdict::kWell}};
+  } catch (const WorkError& error) {
+    return {faulty(kDrives, error.refusal(), "see doc/linuxcnc.md")};
+  }
+}
+
+}  // namespace planar

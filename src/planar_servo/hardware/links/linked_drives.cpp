@@ -1,0 +1,220 @@
+#include "planar_servo/hardware/links/linked_drives.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace planar {
+namespace {
+
+constexpr double kTooMuch = 1.001;
+/// No machine of this size brakes for longer.
+constexpr std::chrono::milliseconds kBrakingPatience{2000};
+constexpr std::chrono::milliseconds kBrakingPoll{2};
+
+}  // namespace
+
+LinkedDrives::LinkedDrives(std::string name, const std::array<DriveLimits, 3>& rated, Open open,
+                           int in_position)
+    : name_(std::move(name)),
+      rated_(rated),
+      limits_(rated),
+      open_(std::move(open)),
+      in_position_(in_position) {
+  this->open();
+  if (!link_) throw DriveError(fmt::format("{}: {}", name_, error_));
+}
+
+LinkedDrives::~LinkedDrives() {
+  try {
+    halt();
+  } catch (const std::exception&) {
+    // Closing the link is all that is left to do.
+  }
+}
+
+void LinkedDrives::open() {
+  link_.reset();
+  error_.clear();
+  missed_.clear();
+  goal_.reset();
+  held_.reset();
+  homing_joint_.reset();
+  for (Joint& joint : joints_) joint.certain = false;
+  try {
+    link_ = open_();
+    state_ = link_->read();
+  } catch (const WorkError& error) {
+    lose(error.what());
+  }
+}
+
+void LinkedDrives::reconnect() {
+  if (!link_) open();
+}
+
+void LinkedDrives::lose(const std::string& why) {
+  link_.reset();
+  error_ = why;
+  homing_joint_.reset();
+  for (Joint& joint : joints_) joint.certain = false;
+}
+
+template <typename Deed>
+void LinkedDrives::command(const std::string& purpose, const Deed& deed) {
+  if (link_) {
+    try {
+      return deed();
+    } catch (const WorkError& error) {
+      lose(error.what());
+    }
+  }
+  throw DriveError(fmt::format("{} cannot {}: {}", name_, purpose, error_));
+}
+
+void LinkedDrives::read() {
+  if (!link_) return;
+  try {
+    take(link_->read());
+  } catch (const WorkError& error) {
+    lose(error.what());
+  }
+}
+
+void LinkedDrives::take(const MachineState& state) {
+  const bool is_lost = state.losses != state_.losses;
+  state_ = state;
+  if (is_lost)
+    for (Joint& joint : joints_) joint.certain = false;
+  if (state.moving || state.homing) return;
+  if (homing_joint_ && !is_lost && state.faults.empty())
+    joints_[*homing_joint_] = {state.counts[static_cast<int>(*homing_joint_)], true};
+  homing_joint_.reset();
+  judge_rest();
+}
+
+void LinkedDrives::judge_rest() {
+  const auto is_at = [&](const std::optional<Pulses>& target) {
+    return target && (state_.counts - *target).cwiseAbs().maxCoeff() <= in_position_;
+  };
+  if (is_at(goal_)) held_ = goal_;
+  if (is_at(held_)) state_.counts = *held_;
+  if (!goal_) return;
+  if (state_.counts != *goal_ && state_.faults.empty())
+    missed_ = fmt::format("it came to rest at {} counts, where it was sent to {}",
+                          fmt::join(state_.counts, ", "), fmt::join(*goal_, ", "));
+  goal_.reset();
+}
+
+void LinkedDrives::energize() {
+  command("be switched on", [this] {
+    missed_.clear();
+    link_->switch_on();
+    take(link_->read());
+  });
+}
+
+void LinkedDrives::set_limits(const std::array<DriveLimits, 3>& limits) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [speed, acceleration] = limits[i];
+    if (!(speed > 0.0 && speed <= kTooMuch * rated_[i].speed_pulses_s) ||
+        !(acceleration > 0.0 && acceleration <= kTooMuch * rated_[i].acceleration_pulses_s2))
+      throw InputError({fmt::format("drive {} cannot keep {:g} pulses/s and {:g} pulses/s^2", i + 1,
+                                    speed, acceleration),
+                        fmt::format("its cell allows up to {:g} and {:g}", rated_[i].speed_pulses_s,
+                                    rated_[i].acceleration_pulses_s2)});
+  }
+  limits_ = limits;
+}
+
+void LinkedDrives::brake_to_rest() {
+  link_->stop();
+  goal_.reset();
+  const auto deadline = std::chrono::steady_clock::now() + kBrakingPatience;
+  for (take(link_->read()); state_.moving; take(link_->read())) {
+    if (std::chrono::steady_clock::now() > deadline)
+      throw WorkError(fmt::format("it still moves {:.0f} s after it was told to stop",
+                                  std::chrono::duration<double>(kBrakingPatience).count()));
+    std::this_thread::sleep_for(kBrakingPoll);
+  }
+}
+
+void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) {
+  read();
+  if (link_ && !(state_.on && state_.faults.empty() && missed_.empty() && !state_.homing))
+    throw DriveError(fmt::format("{} cannot move: {}", name_,
+                                 !state_.faults.empty() ? state_.faults.front()
+                                 : !missed_.empty()     ? missed_
+                                 : state_.homing        ? "it is being homed"
+                                                        : "it is not switched on"));
+  Pulses target;
+  for (std::size_t i = 0; i < 3; ++i)
+    target[static_cast<int>(i)] = targets_pulses[i] + joints_[i].zero;
+  if (goal_ == target) return;
+  command("move", [&] {
+    if (state_.moving) brake_to_rest();
+    if (state_.counts == target) return;
+    link_->go_to(target, limits_);
+    goal_ = target;
+    state_.moving = true;
+  });
+}
+
+void LinkedDrives::halt() {
+  if (!link_) return;
+  command("be told to halt", [this] { brake_to_rest(); });
+}
+
+std::array<DriveStatus, 3> LinkedDrives::status() {
+  read();
+  return {status_of(0), status_of(1), status_of(2)};
+}
+
+DriveStatus LinkedDrives::status_of(std::size_t joint) const {
+  DriveStatus status;
+  status.answers = link_ != nullptr;
+  status.position_certain = joints_[joint].certain;
+  if (!link_) {
+    status.faults.push_back(error_);
+    return status;
+  }
+  const auto i = static_cast<int>(joint);
+  status.position_pulses = state_.counts[i] - joints_[joint].zero;
+  status.target_pulses = goal_.value_or(state_.counts)[i] - joints_[joint].zero;
+  status.energized = state_.on;
+  status.moving = state_.moving;
+  status.homing = homing_joint_ == joint;
+  status.faults = state_.faults;
+  if (!missed_.empty()) status.faults.push_back(missed_);
+  return status;
+}
+
+void LinkedDrives::start_homing(int joint, HomeDirection direction) {
+  const auto i = static_cast<std::size_t>(joint);
+  joints_.at(i).certain = false;
+  command("be homed", [&] {
+    link_->search_home(joint, direction);
+    homing_joint_ = i;
+    goal_.reset();
+    state_.homing = state_.moving = true;
+  });
+}
+
+void LinkedDrives::set_position(int joint, std::int32_t position_pulses) {
+  const auto i = static_cast<std::size_t>(joint);
+  read();
+  if (link_ && (state_.moving || state_.homing))
+    throw DriveError(fmt::format("{} moves; it can be told where it stands only at rest", name_));
+  command("take a position", [&] {
+    joints_.at(i) = {state_.counts[static_cast<int>(i)] - position_pulses, true};
+  });
+}
+
+void LinkedDrives::forget_positions() {
+  halt();
+  for (Joint& joint : joints_) joint.certain = false;
+}
+
+}  // namespace planar

@@ -1,0 +1,387 @@
+#include "planar_servo/hardware/links/linuxcnc_link.h"
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "planar_servo/base/core/error.h"
+
+namespace planar {
+namespace {
+
+/// The travel that is handed over at most, so that a client that dies leaves less than 0.2 s of it.
+/// (LinuxCNC blends pieces, and may take 0.3 s.)
+constexpr double kLongestRun_s = 0.16;
+/// linuxcncrsh splits the lines of all its connections with one strtok(): a line that comes while
+/// another is being read is mistaken for it.
+constexpr std::chrono::milliseconds kApart{5};
+/// linuxcncrsh acknowledges after 0.1 s what it has obeyed at once.
+constexpr double kAnswer_s = 1.0;
+/// Joints that have not moved by a count for this long, with nothing left to do, rest.
+constexpr std::chrono::milliseconds kStill{40};
+constexpr char kAckOf[] = " ACK", kNakOf[] = " NAK";
+
+bool ends(const std::string& text, const std::string& with) {
+  return text.size() >= with.size() &&
+         text.compare(text.size() - with.size(), with.npos, with) == 0;
+}
+
+/// The values of an INI file, as "SECTION.KEY".
+std::map<std::string, std::string> values_in(std::istream& ini) {
+  std::map<std::string, std::string> values;
+  std::string section;
+  for (std::string line; std::getline(ini, line);) {
+    const auto trimmed = [](std::string text) {
+      text.erase(0, text.find_first_not_of(" \t\r"));
+      text.erase(text.find_last_not_of(" \t\r") + 1);
+      return text;
+    };
+    line = trimmed(line.substr(0, line.find_first_of("#;")));
+    if (!line.empty() && line.front() == '[') section = line.substr(1, line.find(']') - 1);
+    if (const auto sign = line.find('='); sign != line.npos)
+      values.emplace(section + "." + trimmed(line.substr(0, sign)), trimmed(line.substr(sign + 1)));
+  }
+  return values;
+}
+
+/// Returns what an INI file says that the cell does not; empty when it agrees.
+std::string contradiction(const std::map<std::string, std::string>& ini, const LinuxcncHost& host) {
+  const auto value = [&](const std::string& key) {
+    const auto found = ini.find(key);
+    return found == ini.end() ? std::string() : found->second;
+  };
+  const auto number = [&](const std::string& key, double otherwise) {
+    const std::string text = value(key);
+    return text.empty() ? otherwise : std::atof(text.c_str());
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LinuxcncJoint& joint = host.joints[i];
+    const std::string section = fmt::format("JOINT_{}", joint.number);
+    if (value(section + ".TYPE").empty())
+      return fmt::format("[{}] is missing, where drives[{}] says joint: {}", section, i,
+                         joint.number);
+    if (value(section + ".TYPE") != "ANGULAR")
+      return fmt::format("[{}]TYPE is {}, where the cell's joints turn: ANGULAR is needed", section,
+                         value(section + ".TYPE"));
+    if (const std::string axes = value("TRAJ.COORDINATES");
+        static_cast<int>(axes.find(joint.axis)) != joint.number && !axes.empty() &&
+        axes.find(' ') == axes.npos)
+      return fmt::format("[TRAJ]COORDINATES is {}, by which joint {} is not axis {}", axes,
+                         joint.number, joint.axis);
+    const double speed = joint.rated.speed_pulses_s / joint.counts_per_deg;
+    const double acceleration = joint.rated.acceleration_pulses_s2 / joint.counts_per_deg;
+    constexpr double kRounding = 0.999;
+    if (const double most = number(section + ".MAX_VELOCITY", 0.0); most < kRounding * speed)
+      return fmt::format("[{}]MAX_VELOCITY is {:g}, less than the cell's max_speed_deg_s of {:g}",
+                         section, most, speed);
+    if (const double most = number(section + ".MAX_ACCELERATION", 0.0);
+        most < kRounding * acceleration)
+      return fmt::format(
+          "[{}]MAX_ACCELERATION is {:g}, less than the cell's max_acceleration_deg_s2 of {:g}",
+          section, most, acceleration);
+    const bool searches = number(section + ".HOME_SEARCH_VEL", 0.0) != 0.0;
+    if (searches != joint.has_switch)
+      return fmt::format(
+          "[{}]HOME_SEARCH_VEL is {:g}, which {} a switch, and drives[{}] says home "
+          "by {}",
+          section, number(section + ".HOME_SEARCH_VEL", 0.0), searches ? "searches" : "searches no",
+          i, joint.has_switch ? "a switch" : "a mark or sight");
+  }
+  const std::string unit = value("TRAJ.ANGULAR_UNITS");
+  return unit.empty() || unit.rfind("deg", 0) == 0
+             ? ""
+             : fmt::format("[TRAJ]ANGULAR_UNITS is {}, where degree is needed", unit);
+}
+
+}  // namespace
+
+RshConnection::RshConnection(const LinuxcncHost& host) {
+  const auto fail = [&](const std::string& why, const std::string& remedy) {
+    if (socket_ >= 0) close(socket_);
+    throw WorkError({fmt::format("LinuxCNC at {}:{}: {}", host.host, host.port, why), remedy});
+  };
+  constexpr char kStart[] =
+      "start LinuxCNC with [DISPLAY]DISPLAY = linuxcncrsh, or linuxcncrsh beside it";
+  addrinfo hints{}, *found = nullptr;
+  hints.ai_socktype = SOCK_STREAM;
+  if (getaddrinfo(host.host.c_str(), std::to_string(host.port).c_str(), &hints, &found) != 0)
+    fail("there is no host of this name", "correct `host` in the cell file");
+  socket_ = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const timeval patience{static_cast<time_t>(kAnswer_s), 0};
+  setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);  // of connect(), too
+  const bool connected = connect(socket_, found->ai_addr, found->ai_addrlen) == 0;
+  freeaddrinfo(found);
+  if (!connected) fail(std::strerror(errno), kStart);
+  const int yes = 1;
+  setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  try {
+    const std::string hello = ask(fmt::format("hello {} planar-servo 1.0", host.password));
+    if (hello.rfind("HELLO ACK", 0) != 0)
+      fail(fmt::format("it answers '{}'", hello),
+           "correct `port`, or `password`, which [DISPLAY] or linuxcncrsh's -p sets");
+    send("set echo off");
+    while (hear(0.05)) {
+    }
+    if (ask("set verbose on").rfind("SET VERBOSE ACK", 0) != 0)
+      fail("it is no linuxcncrsh", kStart);
+  } catch (...) {
+    close(socket_);
+    throw;
+  }
+}
+
+RshConnection::~RshConnection() {
+  close(socket_);
+}
+
+void RshConnection::send(const std::string& line) {
+  const std::string text = line + "\r\n";
+  if (::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(text.size()))
+    throw WorkError(Refusal{"LinuxCNC takes nothing: the connection is closed", "start it again"});
+}
+
+std::optional<std::string> RshConnection::hear(double patience_s) {
+  using Clock = std::chrono::steady_clock;
+  const auto until = Clock::now() + std::chrono::duration<double>(patience_s);
+  for (;;) {
+    heard_.erase(0, heard_.find_first_not_of("\r\n"));
+    if (const auto end = heard_.find_first_of("\r\n"); end != heard_.npos) {
+      const std::string line = heard_.substr(0, end);
+      heard_.erase(0, end);
+      return line;
+    }
+    const double left_s = std::chrono::duration<double>(until - Clock::now()).count();
+    pollfd waiting{socket_, POLLIN, 0};
+    if (poll(&waiting, 1, static_cast<int>(std::ceil(std::max(0.0, left_s) * 1e3))) <= 0)
+      return std::nullopt;
+    char bytes[1024];
+    const ssize_t count = recv(socket_, bytes, sizeof bytes, 0);
+    if (count <= 0)
+      throw WorkError(Refusal{"LinuxCNC has closed the connection", "start it again"});
+    heard_.append(bytes, static_cast<std::size_t>(count));
+  }
+}
+
+std::string RshConnection::ask(const std::string& line) {
+  send(line);
+  if (auto answer = hear(kAnswer_s)) return *answer;
+  throw WorkError({fmt::format("LinuxCNC does not answer '{}' within {:.0f} s", line, kAnswer_s),
+                   "look at the machine; start LinuxCNC again"});
+}
+
+std::string RshConnection::get(const std::string& what) {
+  constexpr int kTries = 3;
+  const std::string name = what.substr(0, what.find(' '));
+  std::string answer;
+  for (int i = 0; i < kTries; ++i) {
+    answer = ask("get " + what);
+    const std::size_t word = answer.find(' ');
+    const bool is_its =
+        word == name.size() && std::equal(name.begin(), name.end(), answer.begin(),
+                                          [](unsigned char asked, unsigned char said) {
+                                            return std::toupper(asked) == std::toupper(said);
+                                          });
+    if (is_its && !ends(answer, kNakOf)) return answer.substr(word + 1);
+    std::this_thread::sleep_for(kApart);
+  }
+  throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, answer));
+}
+
+LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
+    : host_(host), reader_(host), mover_(host), stopper_(host) {
+  const std::string path = reader_.get("inifile");
+  std::ifstream ini(path);
+  if (!ini) {
+    unchecked_ = fmt::format(
+        "{} is no file of this machine: compare its units, limits and joints "
+        "with the cell file yourself",
+        path);
+  } else if (const std::string wrong = contradiction(values_in(ini), host_); !wrong.empty()) {
+    throw WorkError({fmt::format("{}: {}", path, wrong), "correct it or the cell file"});
+  }
+  here_ = counts();
+  rest_ = here_;
+}
+
+void LinuxcncLink::set(const std::string& what) {
+  const std::string answer = mover_.ask("set " + what);
+  if (ends(answer, kAckOf)) return;
+  throw WorkError({fmt::format("LinuxCNC refuses 'set {}': {}", what, answer),
+                   "another client may have taken the control: close it; or look at LinuxCNC's "
+                   "own messages"});
+}
+
+void LinuxcncLink::take_control() {
+  while (awaits_mover_) hear_mover();
+  set("enable " + host_.enable_password);
+}
+
+/// Waits for the acknowledgement of a command; LinuxCNC obeys it meanwhile.
+void LinuxcncLink::hear_mover() {
+  if (!awaits_mover_) return;
+  const auto answer = mover_.hear(0.0);
+  if (!answer) return;
+  awaits_mover_ = false;
+  if (ends(*answer, kAckOf)) return;
+  path_.reset();
+  refused_ = fmt::format("LinuxCNC refuses a move ({}): another client may have taken the control",
+                         *answer);
+}
+
+void LinuxcncLink::switch_on() {
+  refused_.clear();
+  take_control();
+  set("estop off");
+  set("machine on");
+  for (const LinuxcncJoint& joint : host_.joints)
+    if (!joint.has_switch &&
+        reader_.get(fmt::format("joint_homed {}", joint.number)).find("NO") != std::string::npos)
+      home(joint);
+  rest_ = counts();
+}
+
+void LinuxcncLink::home(const LinuxcncJoint& joint) {
+  set("mode manual");
+  set("teleop_enable off");
+  set(fmt::format("home {}", joint.number));
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries && !joint.has_switch; ++i) {
+    if (reader_.get(fmt::format("joint_homed {}", joint.number)).find("YES") != std::string::npos)
+      return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+void LinuxcncLink::search_home(int joint, HomeDirection /*direction*/) {
+  take_control();
+  home(host_.joints.at(static_cast<std::size_t>(joint)));
+  homing_joint_ = host_.joints.at(static_cast<std::size_t>(joint)).number;
+  rest_.reset();
+}
+
+void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) {
+  take_control();
+  if (reader_.get("mode") != "MDI") set("mode mdi");
+  std::array<AxisLimits, 3> axes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double scale = host_.joints[i].counts_per_deg;
+    axes[i] = {scale, limits[i].speed_pulses_s / scale, limits[i].acceleration_pulses_s2 / scale};
+  }
+  here_ = this->counts();
+  path_.emplace(here_, counts, axes, kLongestRun_s);
+  rest_.reset();
+  feed();
+}
+
+/// Sends the next piece of the way, once the one before is acknowledged.
+void LinuxcncLink::feed() {
+  hear_mover();
+  if (awaits_mover_ || !path_) return;
+  const auto piece = path_->next_piece(here_);
+  if (!piece) {
+    if (path_->all_sent()) path_.reset();
+    return;
+  }
+  std::string line = "set mdi G53 G90 G64 G1";
+  for (std::size_t i = 0; i < 3; ++i)
+    line += fmt::format(" {}{:.6f}", host_.joints[i].axis,
+                        (*piece)[static_cast<int>(i)] / host_.joints[i].counts_per_deg);
+  constexpr double kPerMinute = 60.0;
+  mover_.send(line + fmt::format(" F{:.3f}", kPerMinute * path_->speed_mm_s()));
+  awaits_mover_ = true;
+  std::this_thread::sleep_for(kApart);
+}
+
+void LinuxcncLink::stop() {
+  path_.reset();
+  for (const std::string& line :
+       {"set enable " + host_.enable_password, std::string("set abort")}) {
+    stopper_.send(line);
+    std::this_thread::sleep_for(kApart);
+  }
+  homing_joint_.reset();
+}
+
+Pulses LinuxcncLink::counts() const {
+  std::istringstream text(reader_.get("joint_pos"));
+  std::vector<double> degrees;
+  for (double value = 0.0; text >> value;) degrees.push_back(value);
+  Pulses counts;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LinuxcncJoint& joint = host_.joints[i];
+    const auto number = static_cast<std::size_t>(joint.number);
+    if (number >= degrees.size())
+      throw WorkError({fmt::format("LinuxCNC has no joint {}", joint.number),
+                       "correct `joint` in the cell file"});
+    counts[static_cast<int>(i)] =
+        static_cast<int>(std::lround(degrees[number] * joint.counts_per_deg));
+  }
+  return counts;
+}
+
+MachineState LinuxcncLink::state_now() {
+  MachineState state;
+  state.counts = counts();
+  const bool is_stopped = reader_.get("estop").find("ON") != std::string::npos;
+  state.on = !is_stopped && reader_.get("machine").find("ON") != std::string::npos;
+  if (was_on_ && is_stopped) state.faults.emplace_back("LinuxCNC's emergency stop is pressed");
+  for (const char* what : {"joint_limit", "joint_fault"}) {
+    std::istringstream words(reader_.get(what));
+    std::vector<std::string> said;
+    for (std::string word; words >> word;) said.push_back(word);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto number = static_cast<std::size_t>(host_.joints[i].number);
+      if (number < said.size() && said[number] != "OK")
+        state.faults.push_back(
+            fmt::format("joint {} of LinuxCNC reports {} {}", number, what, said[number]));
+    }
+  }
+  if (!refused_.empty()) state.faults.push_back(refused_);
+  return state;
+}
+
+MachineState LinuxcncLink::read() {
+  MachineState state = state_now();
+  const auto now = Clock::now();
+  if (state.counts != here_) changed_ = now;
+  here_ = state.counts;
+  while (stopper_.hear(0.0)) {
+  }
+  feed();
+  // Motors without current stand anywhere.
+  if (was_on_ && !state.on) ++losses_;
+  was_on_ = state.on;
+  state.losses = losses_;
+  const bool is_idle = reader_.get("program_status").find("IDLE") != std::string::npos;
+  state.moving = state.on && (path_ || awaits_mover_ || !is_idle || now - changed_ < kStill);
+  if (homing_joint_) {
+    const std::string homed = reader_.get(fmt::format("joint_homed {}", *homing_joint_));
+    state.homing = state.on && homed.find("YES") == std::string::npos;
+    state.moving = state.moving || state.homing;
+    if (!state.moving) homing_joint_.reset();
+  }
+  if (state.moving) return state;
+  path_.reset();
+  if (!rest_) rest_ = here_;
+  if ((*rest_ - here_).cwiseAbs().maxCoeff() > kInPosition_counts && state.on)
+    state.faults.push_back(
+        fmt::format("joints stand at {} counts, where they rested at {}: another "
+                    "client has moved them",
+                    fmt::join(here_, ", "), fmt::join(*rest_, ", ")));
+  return state;
+}
+
+}  // namespace planar

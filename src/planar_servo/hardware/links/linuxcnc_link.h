@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/hardware/drives/jog_path.h"
+#include "planar_servo/hardware/links/machine_link.h"
+
+namespace planar {
+
+/// By as much the joints of a machine with encoders may stand beside where they are sent.
+constexpr int kInPosition_counts = 2;
+
+/// One of LinuxCNC's joints, which turns in degrees as the motor behind its gear does.
+struct LinuxcncJoint {
+  char axis{'A'};
+  int number{0};  ///< of the joint, as LinuxCNC counts
+  bool has_switch{false};
+  double counts_per_deg{1.0};  ///< a count is what the cell file calls a pulse
+  DriveLimits rated;           ///< of the cell
+};
+
+/// Where LinuxCNC's linuxcncrsh listens.
+struct LinuxcncHost {
+  std::string host{"127.0.0.1"};
+  int port{5007};
+  std::string password{"EMC"}, enable_password{"EMCTOO"};
+  std::array<LinuxcncJoint, 3> joints;
+};
+
+/// A connection to linuxcncrsh, which is asked by lines.
+class RshConnection {
+ public:
+  /// Connects and says hello. Throws WorkError with the remedy when nobody answers as linuxcncrsh.
+  explicit RshConnection(const LinuxcncHost& host);
+  ~RshConnection();
+  RshConnection(const RshConnection&) = delete;
+  RshConnection& operator=(const RshConnection&) = delete;
+
+  void send(const std::string& line);
+  /// Returns the next line as soon as it has come; empty when none comes in time.
+  std::optional<std::string> hear(double patience_s);
+  /// Returns the answer to a line. Throws WorkError when none comes in time.
+  std::string ask(const std::string& line);
+  /// Returns what follows the words that a get repeats.
+  std::string get(const std::string& what);
+
+ private:
+  int socket_{-1};
+  std::string heard_;
+};
+
+/// Three joints of a machine that LinuxCNC moves, through linuxcncrsh. A move is handed over by MDI
+/// lines of at most 0.16 s of travel, braking included, because LinuxCNC finishes what it
+/// has when its client dies; read() sends the next one. linuxcncrsh takes 0.1 s to acknowledge a
+/// command, though it obeys at once: so one connection moves, one reads, and one stops.
+class LinuxcncLink final : public MachineLink {
+ public:
+  /// Compares the machine's INI with the cell, where that is a file of this machine. Moves nothing.
+  /// Throws WorkError when it cannot be used.
+  explicit LinuxcncLink(const LinuxcncHost& host);
+
+  /// Leaves the emergency stop that LinuxCNC itself has set, switches the machine on, and counts
+  /// joints without a switch from where they stand.
+  void switch_on() override;
+  void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) override;
+  void stop() override;
+  void search_home(int joint, HomeDirection direction) override;
+  MachineState read() override;
+
+  /// Says what could not be compared with the cell; empty when all was.
+  const std::string& unchecked() const { return unchecked_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void set(const std::string& what);
+  void take_control();
+  void home(const LinuxcncJoint& joint);
+  void hear_mover();
+  void feed();
+  Pulses counts() const;
+  MachineState state_now();
+
+  LinuxcncHost host_;
+  mutable RshConnection reader_;
+  RshConnection mover_, stopper_;
+  std::string unchecked_;
+  std::optional<JogPath> path_;
+  bool awaits_mover_{false};
+  std::string refused_;  ///< by LinuxCNC, of the last move
+  Pulses here_{0, 0, 0};
+  std::optional<Pulses> rest_;  ///< where the joints rest until they are told to move
+  Clock::time_point changed_;
+  int losses_{0};
+  bool was_on_{false};
+  std::optional<int> homing_joint_;
+};
+
+}  // namespace planar

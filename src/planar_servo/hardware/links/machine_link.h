@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "planar_servo/base/devices/drive_group.h"
+#include "planar_servo/geometry/arm/transmission.h"
+
+namespace planar {
+
+/// What a machine says of itself. Counts are its own, from wherever it counts.
+struct MachineState {
+  Pulses counts{0, 0, 0};
+  bool on{false};
+  bool moving{false};
+  bool homing{false};  ///< it searches a home switch
+  int losses{0};       ///< so often its counts ceased to be those of the motors, as after a stall
+  std::vector<std::string> faults{};
+};
+
+/// How long a straight move takes, and each of the two parts in which it speeds up and slows down.
+struct MoveTime {
+  double duration_s{0.0}, ramp_s{0.0};
+};
+
+/// Returns the shortest time of a straight move by `way` counts that keeps these limits.
+MoveTime time_of(const Pulses& way, const std::array<DriveLimits, 3>& limits);
+
+/// A controller of three motors that moves them by itself once it is told where to. Every function
+/// throws WorkError when it is out of touch, refuses, or says what cannot be; the link is closed
+/// then, which stops the machine as far as its kind can.
+class MachineLink {
+ public:
+  virtual ~MachineLink() = default;
+  /// Switches the motors on, also after a fault; none moves.
+  virtual void switch_on() = 0;
+  /// Starts a straight move from rest to rest, within these limits.
+  virtual void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) = 0;
+  /// Begins to brake to rest; read() tells when it rests.
+  virtual void stop() = 0;
+  /// Starts the search for the home switch of a joint, counted from 0.
+  virtual void search_home(int joint, HomeDirection direction) = 0;
+  /// Is called every few milliseconds while the machine moves.
+  virtual MachineState read() = 0;
+};
+
+}  // namespace planar

@@ -1,0 +1,305 @@
+#include "planar_servo/hardware/links/modbus_link.h"
+
+#include <fmt/format.h>
+#include <modbus.h>
+#include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <thread>
+
+#include "planar_servo/base/core/error.h"
+
+namespace planar {
+namespace {
+
+constexpr int kTries = 3;
+/// A driver that was started says that it moves by then.
+constexpr std::chrono::milliseconds kBeginning{100};
+constexpr long kWord = 0x10000;
+constexpr double kRpmPerTurnPerS = 60.0;
+
+long exchanged(long value) {
+  const auto bits = static_cast<std::uint32_t>(value);
+  return static_cast<std::int32_t>(bits << 16 | bits >> 16);
+}
+
+/// Whether a position looks like a small one whose two words are exchanged.
+bool looks_exchanged(long position) {
+  return position != 0 && position % kWord == 0 && std::abs(exchanged(position)) < kWord / 2;
+}
+
+/// Whether a position can only have been read in the right order.
+bool shows_order(long position) {
+  return position % kWord != 0 && std::abs(exchanged(position)) > 16 * std::abs(position);
+}
+
+bool is_garbled(int error) {
+  return error == EMBBADCRC || error == EMBBADDATA || error == EMBBADSLAVE || error == EMBBADEXC ||
+         error == EMBMDATA;
+}
+
+const char* remedy_for(int error) {
+  if (error == ETIMEDOUT) return "look at address, baud, parity, power, and the two wires";
+  if (error == EMBBADSLAVE) return "another master may be on the line; unplug it";
+  if (is_garbled(error))
+    return "two drivers may have one address, or parity, stop bits or the line's ends be wrong";
+  if (error == EMBXILADD || error == EMBXILFUN || error == EMBXILVAL)
+    return "the registers may be those of another driver; compare the map with its manual";
+  return "unplug the adapter and plug it in again";
+}
+
+}  // namespace
+
+void ModbusLink::Free::operator()(_modbus* context) const {
+  modbus_close(context);
+  modbus_free(context);
+}
+
+ModbusLink::ModbusLink(const ModbusLine& line) : line_(line) {
+  constexpr int kDataBits = 8;
+  context_.reset(
+      modbus_new_rtu(line.port.c_str(), line.baud, line.parity, kDataBits, line.stop_bits));
+  if (!context_ || modbus_connect(context_.get()) != 0)
+    throw WorkError({fmt::format("{} cannot be opened: {}", line.port, modbus_strerror(errno)),
+                     "look at the port's name, the permission to use it and the cable"});
+  ioctl(modbus_get_socket(context_.get()), TIOCEXCL);  // nobody else opens it from now on
+  modbus_set_response_timeout(context_.get(), 0, static_cast<std::uint32_t>(line.answer_s * 1e6));
+  read();
+  check_word_order(here_);
+}
+
+ModbusLink::~ModbusLink() {
+  if (errors_.garbled + errors_.unanswered > 0)
+    spdlog::warn(fmt::format("{}: of {} telegrams {} were garbled and {} not answered", line_.port,
+                             errors_.telegrams, errors_.garbled, errors_.unanswered));
+}
+
+std::string ModbusLink::name(std::size_t motor) const {
+  return fmt::format("drive {} (address {})", motor + 1, line_.addresses[motor]);
+}
+
+template <typename Exchange>
+void ModbusLink::exchange(std::size_t motor, const std::string& what, const Exchange& act) {
+  int error = 0;
+  for (int i = 0; i < kTries; ++i) {
+    ++errors_.telegrams;
+    modbus_set_slave(context_.get(), line_.addresses[motor]);
+    if (act() >= 0) return;
+    error = errno;
+    errors_.garbled += is_garbled(error) ? 1 : 0;
+    errors_.unanswered += error == ETIMEDOUT ? 1 : 0;
+    modbus_flush(context_.get());
+  }
+  throw WorkError(
+      {fmt::format("{} does not {}: {}", name(motor), what,
+                   error == ETIMEDOUT ? fmt::format("no answer within {:.0f} ms, {} times",
+                                                    line_.answer_s * 1e3, kTries)
+                                      : std::string(modbus_strerror(error))),
+       remedy_for(error)});
+}
+
+long ModbusLink::read_value(std::size_t motor, const RegisterRead& from, const char* what) {
+  std::uint16_t words[2]{};
+  exchange(motor, fmt::format("tell its {}", what),
+           [&] { return modbus_read_registers(context_.get(), from.address, from.words, words); });
+  if (from.words == 1) return words[0];
+  const auto high = static_cast<std::uint32_t>(words[line_.map.high_word_first ? 0 : 1]);
+  const auto low = static_cast<std::uint32_t>(words[line_.map.high_word_first ? 1 : 0]);
+  return static_cast<std::int32_t>(high << 16 | low);
+}
+
+std::vector<std::uint16_t> ModbusLink::words_of(const RegisterWrite& write,
+                                                const Move& move) const {
+  std::vector<std::uint16_t> words;
+  for (const RegisterValue& value : write.values) {
+    using What = RegisterValue::What;
+    const long number = value.what == What::kPosition       ? move.position
+                        : value.what == What::kSpeed        ? move.speed
+                        : value.what == What::kAcceleration ? move.acceleration
+                                                            : value.number;
+    const auto bits = static_cast<std::uint32_t>(number);
+    const auto high = static_cast<std::uint16_t>(bits >> 16);
+    const auto low = static_cast<std::uint16_t>(bits & 0xffff);
+    if (value.words == 2) words.push_back(line_.map.high_word_first ? high : low);
+    words.push_back(value.words == 1 || line_.map.high_word_first ? low : high);
+  }
+  return words;
+}
+
+void ModbusLink::write(std::size_t motor, const std::vector<RegisterWrite>& writes,
+                       const Move& move, const char* what) {
+  for (const RegisterWrite& next : writes) {
+    const std::vector<std::uint16_t> words = words_of(next, move);
+    exchange(motor, what, [&] {
+      return words.size() == 1
+                 ? modbus_write_register(context_.get(), next.address, words[0])
+                 : modbus_write_registers(context_.get(), next.address,
+                                          static_cast<int>(words.size()), words.data());
+    });
+  }
+}
+
+/// Nobody answers a broadcast; the pause is what every driver needs to have read it.
+void ModbusLink::broadcast(const RegisterWrite& write) {
+  constexpr std::uint8_t kToAll = 0, kWriteOne = 0x06, kWriteMore = 0x10;
+  constexpr std::chrono::milliseconds kPause{4};
+  const std::vector<std::uint16_t> words = words_of(write, {});
+  std::vector<std::uint8_t> telegram{kToAll, words.size() == 1 ? kWriteOne : kWriteMore};
+  const auto append = [&](std::size_t word) {
+    telegram.push_back(static_cast<std::uint8_t>(word >> 8 & 0xff));
+    telegram.push_back(static_cast<std::uint8_t>(word & 0xff));
+  };
+  append(static_cast<std::size_t>(write.address));
+  if (words.size() > 1) {
+    append(words.size());
+    telegram.push_back(static_cast<std::uint8_t>(2 * words.size()));
+  }
+  for (const std::uint16_t word : words) append(word);
+  ++errors_.telegrams;
+  if (modbus_send_raw_request(context_.get(), telegram.data(), static_cast<int>(telegram.size())) <
+      0)
+    throw WorkError({fmt::format("{} takes nothing: {}", line_.port, modbus_strerror(errno)),
+                     remedy_for(errno)});
+  std::this_thread::sleep_for(kPause);
+}
+
+void ModbusLink::switch_on() {
+  for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.switch_on, {}, "switch on");
+}
+
+ModbusLink::Move ModbusLink::move_of(std::size_t motor, long way, long target,
+                                     const MoveTime& time) const {
+  Move move{target, 1, 1};
+  if (way == 0) return move;
+  const double speed = std::abs(static_cast<double>(way)) / (time.duration_s - time.ramp_s);
+  const double turns_s = speed / line_.counts_per_turn[motor];
+  const bool in_rpm = line_.map.speed == ModbusSpeed::kRpm;
+  // Not faster than the limits, but for drivers that know nothing below their unit.
+  move.speed =
+      std::max(1L, static_cast<long>(std::floor(in_rpm ? kRpmPerTurnPerS * turns_s : speed)));
+  const double acceleration = speed / time.ramp_s;
+  constexpr double kMsPer1000Rpm = 1e3 * 1000.0 / kRpmPerTurnPerS;
+  move.acceleration =
+      line_.map.acceleration == ModbusAcceleration::kCounts
+          ? std::max(1L, static_cast<long>(std::floor(acceleration)))
+          : std::clamp(static_cast<long>(
+                           std::ceil(kMsPer1000Rpm * line_.counts_per_turn[motor] / acceleration)),
+                       1L, kWord - 1);
+  return move;
+}
+
+void ModbusLink::start(const std::array<Move, 3>& moves) {
+  const auto begun = Clock::now();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (i == 2 && !line_.map.start)
+      skew_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
+    write(i, line_.map.move, moves[i], "take a move");
+  }
+  if (line_.map.start) broadcast(*line_.map.start);
+  started_ = Clock::now();
+}
+
+void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) {
+  if (!proven_) prove_word_order(counts);
+  const MoveTime time = time_of(counts - here_, limits);
+  std::array<Move, 3> moves{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<int>(i);
+    moves[i] = move_of(i, counts[k] - here_[k], counts[k], time);
+  }
+  target_ = counts;
+  start(moves);
+}
+
+void ModbusLink::stop() {
+  target_.reset();
+  for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.stop, {}, "stop");
+}
+
+void ModbusLink::search_home(int joint, HomeDirection direction) {
+  const auto& writes =
+      direction == HomeDirection::kForward ? line_.map.home_forward : line_.map.home_reverse;
+  if (writes.empty())
+    throw WorkError({fmt::format("the map of {} has no search for the home switch", line_.map.name),
+                     "add home_reverse or home_forward to it, or name home: {reference: taught}"});
+  write(static_cast<std::size_t>(joint), writes, {}, "search its home switch");
+  homing_ = true;
+  started_ = Clock::now();
+}
+
+MachineState ModbusLink::read() {
+  MachineState state;
+  state.on = true;
+  const ModbusMap& map = line_.map;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const long status = read_value(i, map.status, "status");
+    state.counts[static_cast<int>(i)] = static_cast<int>(read_value(i, map.position, "position"));
+    state.moving = state.moving || map.moving.in(status);
+    state.on = state.on && (!map.on || map.on->in(status));
+    if (!map.fault || !map.fault->in(status)) continue;
+    state.faults.push_back(map.alarm ? fmt::format("{} reports alarm 0x{:x}", name(i),
+                                                   read_value(i, *map.alarm, "alarm"))
+                                     : fmt::format("{} reports a fault", name(i)));
+  }
+  const bool begins = Clock::now() - started_ < kBeginning;
+  if (target_ && state.counts != *target_ && begins && state.faults.empty()) state.moving = true;
+  if (homing_ && begins) state.moving = true;
+  homing_ = homing_ && state.moving;
+  state.homing = homing_;
+  here_ = state.counts;
+  return state;
+}
+
+void ModbusLink::check_word_order(const Pulses& counts) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const long position = counts[static_cast<int>(i)];
+    if (!looks_exchanged(position)) continue;
+    throw WorkError(
+        {fmt::format("{} says that it stands at {}, which is {} with its two words exchanged",
+                     name(i), position, exchanged(position)),
+         "exchange word_order in the map; if it is right, turn this motor by a count by hand"});
+  }
+  // A makes' drivers are alike: one that shows it is enough.
+  for (const int position : counts) proven_ = proven_ || shows_order(position);
+}
+
+/// A driver at 0 cannot show the order of its words: 1 would be 65,536. So one motor makes one
+/// count, as slowly as it can, and is stopped where it goes elsewhere.
+void ModbusLink::prove_word_order(const Pulses& toward) {
+  // In turns per minute, or so few counts that even 65,536 times as many move it little within a
+  // look.
+  constexpr long kSlow_ms = 1000, kSlow_counts = 10;
+  constexpr std::chrono::milliseconds kPatience{1000};
+  const Pulses rest = here_;
+  std::array<Move, 3> moves{};
+  const bool in_counts = line_.map.acceleration == ModbusAcceleration::kCounts;
+  for (std::size_t i = 0; i < 3; ++i)
+    moves[i] = {rest[static_cast<int>(i)],
+                line_.map.speed == ModbusSpeed::kCounts ? kSlow_counts : 1L,
+                in_counts ? kSlow_counts : kSlow_ms};
+  int motor = 0;
+  (toward - rest).cwiseAbs().maxCoeff(&motor);
+  const int count = rest[motor] + (toward[motor] >= rest[motor] ? 1 : -1);
+  moves[static_cast<std::size_t>(motor)].position = count;
+  target_.reset();
+  start(moves);
+  const auto until = Clock::now() + kPatience;
+  do {
+    const bool moves_still = read().moving;
+    proven_ = here_[motor] == count;
+    if (proven_ && !moves_still) return;
+  } while (std::abs(here_[motor] - rest[motor]) <= 1 && Clock::now() < until);
+  proven_ = false;
+  const int went = here_[motor];
+  stop();
+  throw WorkError(
+      {fmt::format("{} was sent from {} to {} and says that it is at {}",
+                   name(static_cast<std::size_t>(motor)), rest[motor], count, went),
+       "the two words of its position may be exchanged: look at word_order in the map"});
+}
+
+}  // namespace planar

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planar_servo/hardware/links/machine_link.h"
+#include "planar_servo/hardware/links/modbus_map.h"
+
+struct _modbus;
+
+namespace planar {
+
+/// Three drivers on one RS-485 line.
+struct ModbusLine {
+  std::string port;
+  int baud{115200};
+  char parity{'N'};  ///< N, E or O
+  int stop_bits{1};
+  double answer_s{0.1};  ///< how long an answer may take
+  ModbusMap map;
+  std::array<int, 3> addresses{1, 2, 3};
+  std::array<double, 3> counts_per_turn{10000.0, 10000.0, 10000.0};  ///< of the motors
+};
+
+/// What went wrong on the line since it was opened.
+struct LineErrors {
+  int telegrams{0};
+  int garbled{0};  ///< with a wrong checksum, or not those that were asked for
+  int unanswered{0};
+};
+
+/// Stepper drivers that speak Modbus RTU, by their registers. Each of them moves by itself; where
+/// the map has a `start`, all begin by one broadcast. A telegram that fails is repeated twice.
+class ModbusLink final : public MachineLink {
+ public:
+  /// Opens the line and asks every driver where it stands. Throws WorkError with the remedy when
+  /// one does not answer, or where its words seem exchanged.
+  explicit ModbusLink(const ModbusLine& line);
+  ~ModbusLink() override;
+  ModbusLink(const ModbusLink&) = delete;
+  ModbusLink& operator=(const ModbusLink&) = delete;
+
+  void switch_on() override;
+  /// Throws WorkError, with the motors at rest, when the first move of a driver that stood at 0 and
+  /// so could not show the order of its words goes elsewhere.
+  void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) override;
+  void stop() override;
+  void search_home(int joint, HomeDirection direction) override;
+  MachineState read() override;
+
+  const LineErrors& errors() const { return errors_; }
+  /// Returns the time from the first driver's start to the last one's in the last move, without a
+  /// broadcast.
+  double skew_s() const { return skew_s_; }
+
+ private:
+  struct Move {
+    long position, speed, acceleration;
+  };
+
+  /// Does something on the line with a driver, again where it fails. Throws WorkError with `what`.
+  template <typename Exchange>
+  void exchange(std::size_t motor, const std::string& what, const Exchange& act);
+  long read_value(std::size_t motor, const RegisterRead& from, const char* what);
+  void write(std::size_t motor, const std::vector<RegisterWrite>& writes, const Move& move,
+             const char* what);
+  std::vector<std::uint16_t> words_of(const RegisterWrite& write, const Move& move) const;
+  void broadcast(const RegisterWrite& write);
+  Move move_of(std::size_t motor, long way, long target, const MoveTime& time) const;
+  void start(const std::array<Move, 3>& moves);
+  void check_word_order(const Pulses& counts);
+  void prove_word_order(const Pulses& toward);
+  std::string name(std::size_t motor) const;
+
+  using Clock = std::chrono::steady_clock;
+
+  ModbusLine line_;
+  struct Free {
+    void operator()(_modbus* context) const;
+  };
+  std::unique_ptr<_modbus, Free> context_;
+  LineErrors errors_;
+  double skew_s_{0.0};
+  bool proven_{false};  ///< positions have shown the order of words
+  bool homing_{false};
+  Pulses here_{0, 0, 0};
+  std::optional<Pulses> target_;  ///< of a move that may not have begun yet
+  Clock::time_point started_;
+};
+
+}  // namespace planar

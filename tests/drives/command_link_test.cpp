@@ -1,0 +1,213 @@
+#include "planar_servo/hardware/links/command_link.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/hardware/links/linked_drives.h"
+#include "planar_servo/machine/device_kinds.h"
+#include "support/link_bench.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using test::all_rest;
+using test::make_ready;
+using test::positions;
+using Targets = test::LinkTargets;
+
+constexpr DriveLimits kLimits{2000.0, 10000.0};
+constexpr double kAnswer_s = 0.3;
+
+MotionProgram example() {
+  return {{"python3", "-B", PLANAR_EXAMPLES "/motion_program.py"}, "/", kAnswer_s};
+}
+
+MotionProgram faulty(const std::vector<std::string>& words) {
+  MotionProgram program{
+      {"python3", "-B", PLANAR_DRIVE_TESTS "/faulty_motion.py", PLANAR_EXAMPLES}, "/", kAnswer_s};
+  program.words.insert(program.words.end(), words.begin(), words.end());
+  return program;
+}
+
+LinkedDrives drives_of(const MotionProgram& program) {
+  return {"the program", {kLimits, kLimits, kLimits}, [program] {
+            return std::make_unique<CommandLink>(program);
+          }};
+}
+
+TEST_CASE("A motion program moves the motors in the time that the slowest needs") {
+  LinkedDrives drives = drives_of(example());
+  CHECK_THROWS_WITH(drives.set_targets({1, 1, 1}), Contains("not switched on"));
+  CHECK_FALSE(drives.status()[1].position_certain);
+  drives.energize();
+  drives.set_position(1, 500);
+  CHECK(drives.status()[1].position_certain);
+  CHECK_FALSE(drives.status()[0].position_certain);
+  make_ready(drives);
+  const SteadyClock clock;
+  const double begun_s = clock.now_s();
+  drives.set_targets({1000, -600, 0});
+  CHECK(drives.status()[0].moving);
+  CHECK(drives.status()[0].target_pulses == 1000);
+  REQUIRE(all_rest(drives));
+  // 1000 counts at 2000 a second, and 0.2 s to speed up or slow down.
+  CHECK(clock.now_s() - begun_s == Approx(0.5 + 0.2).margin(0.1));
+  CHECK(positions(drives) == Targets{1000, -600, 0});
+  for (const DriveStatus& status : drives.status())
+    CHECK((status.position_certain && status.faults.empty()));
+  drives.set_limits({DriveLimits{200.0, 10000.0}, kLimits, kLimits});
+  const double slow_s = clock.now_s();
+  drives.set_targets({1100, -600, 0});
+  REQUIRE(all_rest(drives));
+  CHECK(clock.now_s() - slow_s == Approx(0.5).margin(0.1));
+  CHECK_THROWS_WITH(drives.set_limits({DriveLimits{9e9, 1.0}, kLimits, kLimits}),
+                    Contains("its cell allows up to 2000"));
+}
+
+TEST_CASE("A motion program that is halted brakes, and the position stays certain") {
+  for (const double after_s : {0.05, 0.3, 0.9}) {
+    LinkedDrives drives = drives_of(example());
+    make_ready(drives);
+    drives.set_targets({1500, 300, -1500});
+    const SteadyClock clock;
+    const double until_s = clock.now_s() + after_s;
+    REQUIRE(
+        test::eventually([&] { return drives.status()[0].answers && clock.now_s() > until_s; }));
+    const Targets before = positions(drives);
+    drives.halt();
+    const Targets rest = positions(drives);
+    const double speed = std::min(2000.0, 10000.0 * after_s);
+    CHECK(rest[0] - before[0] >= 0);
+    CHECK(rest[0] - before[0] <= speed * speed / (2.0 * 10000.0) + 0.02 * speed);  // and its answer
+    CHECK(rest[2] == -rest[0]);
+    CHECK(drives.status()[0].position_certain);
+    CHECK(drives.status()[0].faults.empty());
+    // From there it goes on, also where it is told to while it moves.
+    drives.set_targets({1500, 300, -1500});
+    drives.set_targets({0, 0, 0});
+    REQUIRE(all_rest(drives));
+    CHECK(positions(drives) == Targets{0, 0, 0});
+  }
+}
+
+TEST_CASE("The example brakes when nobody asks it where it is, as when its caller hangs") {
+  LinkedDrives drives = drives_of(example());
+  make_ready(drives);
+  drives.set_targets({6000, 0, 0});
+  const SteadyClock clock;
+  const double until_s = clock.now_s() + 1.2;
+  REQUIRE(test::eventually([&] { return clock.now_s() > until_s; }));
+  const DriveStatus status = drives.status()[0];
+  CHECK_FALSE(status.moving);
+  CHECK(status.position_pulses < 1500);
+  CHECK(status.position_certain);
+  REQUIRE(status.faults.size() == 1);
+  CHECK_THAT(status.faults[0], Contains("came to rest at"));
+}
+
+TEST_CASE("A motion program that does not keep to the protocol is ended, and named") {
+  struct Fault {
+    const char* name;
+    const char* said;
+  };
+  for (const Fault& fault :
+       {Fault{"late", "has not answered within 300 ms"}, Fault{"ends", "ended with status 3"},
+        Fault{"dies", "ended by signal 9"}, Fault{"garbage", "answers '"},
+        Fault{"twice", "unasked"}, Fault{"endless", "never ends"},
+        Fault{"other number", "answers '"}, Fault{"nowhere", "it says that it is at '1 2 here'"}}) {
+    INFO(fault.name);
+    LinkedDrives drives = drives_of(faulty({fault.name, "20"}));
+    make_ready(drives);
+    drives.set_targets({1000, 1000, 1000});
+    REQUIRE(test::eventually([&] { return !drives.status()[0].answers; }));
+    const DriveStatus status = drives.status()[0];
+    REQUIRE(status.faults.size() == 1);
+    CHECK_THAT(status.faults[0], Contains(fault.said));
+    CHECK_FALSE(status.position_certain);
+    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains(fault.said));
+    drives.reconnect();
+    CHECK(drives.status()[0].answers);
+    CHECK_FALSE(drives.status()[0].position_certain);
+  }
+}
+
+TEST_CASE("What the machine itself says is wrong stops the arm with these words") {
+  SECTION("a lost position") {
+    LinkedDrives drives = drives_of(faulty({"loses", "12"}));
+    make_ready(drives);
+    drives.set_targets({500, 0, 0});
+    REQUIRE(all_rest(drives));
+    CHECK_FALSE(drives.status()[0].position_certain);
+    for (int i = 0; i < 3; ++i) drives.set_position(i, 0);
+    CHECK(drives.status()[0].position_certain);
+  }
+  SECTION("a fault, which switching on again clears") {
+    LinkedDrives drives = drives_of(faulty({"alarm", "12"}));
+    make_ready(drives);
+    drives.set_targets({1500, 0, 0});
+    REQUIRE(all_rest(drives));
+    CHECK(drives.status()[0].faults == std::vector<std::string>{"motor 2 is hot"});
+    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("motor 2 is hot"));
+    drives.energize();
+    drives.set_targets({0, 0, 0});
+    REQUIRE(all_rest(drives));
+    CHECK(positions(drives) == Targets{0, 0, 0});
+  }
+  SECTION("a rest elsewhere") {
+    LinkedDrives drives = drives_of(faulty({"stalls", "12"}));
+    make_ready(drives);
+    drives.set_targets({1500, 0, 0});
+    REQUIRE(all_rest(drives));
+    REQUIRE(drives.status()[0].faults.size() == 1);
+    CHECK_THAT(drives.status()[0].faults[0], Contains("where it was sent to 1500, 0, 0"));
+    CHECK_THROWS_WITH(drives.set_targets({1500, 0, 0}), Contains("came to rest at"));
+  }
+  SECTION("what it cannot do") {
+    LinkedDrives drives = drives_of(example());
+    make_ready(drives);
+    CHECK_THROWS_WITH(drives.start_homing(1, HomeDirection::kReverse),
+                      Contains("refuses 'home 2 reverse': home 2 reverse: these motors"));
+  }
+}
+
+TEST_CASE("A program that does not end with its input is told by signals") {
+  const test::TemporaryFolder folder;
+  const SteadyClock clock;
+  double begun_s = 0.0;
+  {
+    CommandLink link(faulty({"stays", "1", (folder / "told").string()}));
+    begun_s = clock.now_s();
+  }
+  CHECK(clock.now_s() - begun_s == Approx(2.0).margin(0.5));
+  CHECK(read_file(folder / "told") == "told");
+}
+
+TEST_CASE("A program that cannot be started or speaks otherwise is refused") {
+  CHECK_THROWS_WITH(CommandLink({{"/absent/motion"}, "/", kAnswer_s}),
+                    Contains("'/absent/motion' cannot be started") && Contains("No such file"));
+  CHECK_THROWS_WITH(CommandLink({{"sh", "-c", "read line; echo Grbl 1.1h"}, "/", kAnswer_s}),
+                    Contains("answers '1 hello 1' with 'Grbl 1.1h'"));
+  CHECK_THROWS_WITH(CommandLink({{"true"}, "/", kAnswer_s}), Contains("ended with status 0"));
+  CHECK_THROWS_AS(drives_of({{"true"}, "/", kAnswer_s}), DriveError);
+}
+
+TEST_CASE("A cell file names one motion program for its three joints") {
+  const test::TemporaryFolder folder;
+  const auto cell_with = [&](const std::string& first, const std::string& others) {
+    const std::string kind = "kind: command, answer_ms: ";
+    return test::cell_with_drives(folder, {kind + first, kind + others, kind + others});
+  };
+  CHECK_THROWS_WITH(read_cell(cell_with("200, program: []", "200, program: [a]")),
+                    Contains("program"));
+  CHECK_THROWS_WITH(read_cell(cell_with("200, program: [a, b]", "200, program: [a, c]")),
+                    Contains("another program than drives[0]"));
+  CHECK_THROWS_WITH(read_cell(cell_with("5, program: [a]", "200, program: [a]")),
+                    Contains("answer_ms"));
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,207 @@
+#include "planar_servo/hardware/links/linuxcnc_link.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planar_servo/base/core/clock.h"
+#include "support/link_bench.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using test::all_rest;
+using test::make_ready;
+using test::positions;
+using Targets = test::LinkTargets;
+
+constexpr double kCounts = 1000.0;  // to a degree
+
+LinuxcncHost machine() {
+  LinuxcncHost host;
+  for (std::size_t i = 0; i < 3; ++i)
+    host.joints[i] = {static_cast<char>('A' + i),
+                      static_cast<int>(i),
+                      false,
+                      kCounts,
+                      {30.0 * kCounts, 300.0 * kCounts}};
+  return host;
+}
+
+bool is_running() {
+  try {
+    RshConnection probe(machine());
+    return true;
+  } catch (const WorkError&) {
+    return false;
+  }
+}
+
+#define REQUIRE_LINUXCNC()                    \
+  if (!is_running()) {                        \
+    WARN("skipped: LinuxCNC is not running"); \
+    return;                                   \
+  }
+
+LinkedDrives drives_of(const LinuxcncHost& host) {
+  const DriveLimits rated{30.0 * kCounts, 300.0 * kCounts};
+  return {"LinuxCNC",
+          {rated, rated, rated},
+          [host] { return std::make_unique<LinuxcncLink>(host); },
+          kInPosition_counts};
+}
+
+void wait(LinkedDrives& drives, double duration_s) {
+  const SteadyClock clock;
+  const double until_s = clock.now_s() + duration_s;
+  REQUIRE(test::eventually([&] { return drives.status()[0].answers && clock.now_s() > until_s; }));
+}
+
+/// Another client of the machine.
+struct Stranger {
+  Stranger() : line(machine()) { line.ask("set enable EMCTOO"); }
+  void say(const std::string& words) { CHECK_THAT(line.ask(words), Contains("ACK")); }
+  RshConnection line;
+};
+
+TEST_CASE("LinuxCNC's joints go where they are sent, and rest there") {
+  REQUIRE_LINUXCNC();
+  LinkedDrives drives = drives_of(machine());
+  CHECK_FALSE(drives.status()[0].position_certain);
+  make_ready(drives);
+  for (const Targets& targets :
+       {Targets{20000, -10000, 5000}, Targets{-3000, 70, 5000}, Targets{0, 0, 0}}) {
+    drives.set_targets(targets);
+    REQUIRE(all_rest(drives));
+    CHECK(positions(drives) == targets);
+    CHECK(drives.status()[2].faults.empty());
+    CHECK(drives.status()[2].position_certain);
+  }
+}
+
+TEST_CASE("A halt brakes LinuxCNC at once, and the position stays certain") {
+  REQUIRE_LINUXCNC();
+  LinkedDrives drives = drives_of(machine());
+  make_ready(drives);
+  drives.set_targets({60000, 0, 0});
+  wait(drives, 0.8);
+  const SteadyClock clock;
+  const double told_s = clock.now_s();
+  const int at = positions(drives)[0];
+  drives.halt();
+  const Targets rest = positions(drives);
+  // At most 30 deg/s for 50 ms, and 0.1 s of braking.
+  CHECK(rest[0] - at < 30.0 * kCounts * (0.05 + 0.05));
+  CHECK(clock.now_s() - told_s < 0.35);
+  CHECK(drives.status()[0].position_certain);
+  wait(drives, 0.3);
+  CHECK(std::abs(positions(drives)[0] - rest[0]) <= 1);
+  drives.set_targets({0, 0, 0});
+  REQUIRE(all_rest(drives));
+  CHECK(positions(drives) == Targets{0, 0, 0});
+}
+
+TEST_CASE("A client that dies leaves LinuxCNC at most 0.2 s of travel") {
+  REQUIRE_LINUXCNC();
+  const SteadyClock clock;
+  double died_s = 0.0;
+  int died_at = 0;
+  {
+    LinuxcncLink link(machine());
+    link.switch_on();
+    const Pulses from = link.read().counts;
+    const DriveLimits limits{30.0 * kCounts, 300.0 * kCounts};
+    link.go_to(from + Pulses(60000, 0, 0), {limits, limits, limits});
+    const double until_s = clock.now_s() + 0.8;
+    while (clock.now_s() < until_s) {
+      const MachineState state = link.read();
+      REQUIRE(state.moving);
+      died_at = state.counts[0];
+    }
+    died_s = clock.now_s();
+  }
+  LinuxcncLink watcher(machine());
+  Pulses last = watcher.read().counts;
+  double moved_s = died_s;
+  for (double now_s = clock.now_s(); now_s < died_s + 1.0; now_s = clock.now_s()) {
+    const Pulses here = watcher.read().counts;
+    if (here != last) moved_s = now_s;
+    last = here;
+  }
+  CHECK(last[0] - died_at < 30.0 * kCounts * 0.2);
+  CHECK(moved_s - died_s < 0.4);
+}
+
+TEST_CASE("LinuxCNC's emergency stop ends a move, and the position with it") {
+  REQUIRE_LINUXCNC();
+  LinkedDrives drives = drives_of(machine());
+  make_ready(drives);
+  drives.set_targets({60000, 0, 0});
+  wait(drives, 0.3);
+  Stranger stranger;
+  stranger.say("set estop on");
+  REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
+  CHECK_FALSE(drives.status()[0].position_certain);
+  REQUIRE(all_rest(drives));
+  CHECK_THROWS_AS(drives.set_targets({0, 0, 0}), DriveError);
+  drives.energize();
+  CHECK(drives.status()[0].faults.empty());
+}
+
+TEST_CASE("Another client that takes LinuxCNC or moves it is noticed") {
+  REQUIRE_LINUXCNC();
+  LinkedDrives drives = drives_of(machine());
+  make_ready(drives);
+  Stranger stranger;
+  SECTION("in mid-move") {
+    drives.set_targets({60000, 0, 0});
+    wait(drives, 0.3);
+    stranger.say("set enable EMCTOO");
+    REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
+    CHECK_THAT(drives.status()[0].faults.front(), Contains("another client"));
+    drives.halt();
+  }
+  SECTION("at rest") {
+    stranger.say("set mode mdi");
+    stranger.say("set mdi G91 G1 B2 F600");
+    REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
+    CHECK_THAT(drives.status()[0].faults.front(), Contains("another client has moved them"));
+    REQUIRE(all_rest(drives));
+    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("another client"));
+    stranger.say("set mdi G90");
+  }
+}
+
+TEST_CASE("What LinuxCNC's INI says otherwise than the cell is named") {
+  REQUIRE_LINUXCNC();
+  const auto refusal_of = [](const LinuxcncHost& host) {
+    try {
+      LinuxcncLink link(host);
+    } catch (const WorkError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(refusal_of(machine()).empty());
+  LinuxcncHost host = machine();
+  host.joints[1].number = 4;
+  CHECK_THAT(refusal_of(host), Contains("[JOINT_4] is missing"));
+  host = machine();
+  std::swap(host.joints[0].number, host.joints[1].number);
+  CHECK_THAT(refusal_of(host), Contains("by which joint 1 is not axis A"));
+  host = machine();
+  host.joints[0].rated.speed_pulses_s = 90.0 * kCounts;
+  CHECK_THAT(refusal_of(host), Contains("MAX_VELOCITY is 60, less than the cell's"));
+  host = machine();
+  host.joints[2].has_switch = true;
+  CHECK_THAT(refusal_of(host), Contains("HOME_SEARCH_VEL is 0"));
+  host = machine();
+  host.password = "wrong";
+  CHECK_THAT(refusal_of(host), Contains("it answers 'HELLO NAK'"));
+  host = machine();
+  host.port = 1;
+  CHECK_THAT(refusal_of(host), Contains("start LinuxCNC with"));
+}
+
+}  // namespace
+}  // namespace planar
