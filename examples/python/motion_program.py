@@ -88,7 +88,7 @@ def serve(machine, shafts=None, answer=obey, write=lambda text: print(text, flus
         if time.monotonic() - heard_s > SILENCE_S:
             machine.stop()
         if shafts and told != (counts := machine.counts()):
-            shafts.write(" ".join(map(str, counts)) + "\n")
+            shafts.write(" ".join(map(str, counts if told else ["at", *counts])) + "\n")
             shafts.flush()
             told = counts
     machine.stop()

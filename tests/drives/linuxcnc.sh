@@ -8,12 +8,12 @@ if [ "$(id -u)" -eq 0 ]; then as_user=(setpriv --reuid=nobody --regid=nogroup --
 if [ "$1" = stop ]; then
   [ -e "$folder/session" ] || exit 0
   # LinuxCNC ends with its display, and takes its shared memory with it.
-  (exec 3<>/dev/tcp/127.0.0.1/5007 && printf 'hello EMC stop 1.0\r\nshutdown\r\n' >&3) 2>/dev/null || true
+  (exec 3<>/dev/tcp/127.0.0.1/5007 && printf 'hello EMC stop 1.0\r\nset enable EMCTOO\r\nshutdown\r\n' >&3; sleep 1) 2>/dev/null || true
   for _ in $(seq 150); do
     kill -0 "$(cat "$folder/session")" 2>/dev/null || exit 0
     sleep 0.1
   done
-  pkill -KILL -f "$folder"
+  pkill -KILL -f "^(/bin/bash /usr/bin/linuxcnc|script -qfc linuxcnc|/usr/bin/rtapi_app)"
   exit 0
 fi
 

@@ -168,7 +168,7 @@ class Line:
                     pass  # nobody has the port open
             counts = [driver.position() - at for driver, at in zip(self.drivers.values(), self.options.at)]
             if self.shafts and counts != told:
-                self.shafts.write(" ".join(map(str, counts)) + "\n")
+                self.shafts.write(" ".join(map(str, counts if told else ["at", *counts])) + "\n")
                 self.shafts.flush()
                 told = counts
 

@@ -63,8 +63,9 @@ void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) con
                "give the program and its "
                "arguments, such as [python3, motion.py]"},
               "program");
-  drive.number("answer_ms", program.answer_s, kMillisecond,
-               Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
+  if (drive.given("answer_ms", false))
+    drive.number("answer_ms", program.answer_s, kMillisecond,
+                 Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
   program.folder = cell.file.parent_path();
   cell.drives[joint].details = details;
   list_home(drive, cell.transmission.drives[joint]);

@@ -110,13 +110,17 @@ ShaftPipe::~ShaftPipe() {
 void ShaftPipe::read() {
   constexpr double kWait_s = 0.05;
   for (const std::string& line : lines_->lines_within(kWait_s)) {
+    constexpr char kRecount[] = "at ";
+    const bool recounts = line.rfind(kRecount, 0) == 0;
     EmulatedGrbl::Pulses counts;
-    std::istringstream text(line);
+    std::istringstream text(recounts ? line.substr(std::strlen(kRecount)) : line);
     text >> counts[0] >> counts[1] >> counts[2];
     if (!text)
       throw WorkError({fmt::format("'{}' is not where three motors are", line),
                        "write three counts to a line", pipe_});
-    on_position_(counts);
+    if (recounts) zero_ = here_ - counts;
+    here_ = counts + zero_;
+    on_position_(here_);
   }
 }
 

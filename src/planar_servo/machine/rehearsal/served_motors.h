@@ -44,7 +44,7 @@ class MotorTrail {
 };
 
 /// A pipe of this machine into which any program writes where the motors are: lines of three
-/// counts.
+/// counts. `at` before them says that the motors stand, and are counted so from now on.
 class ShaftPipe {
  public:
   /// Makes the pipe in place of an earlier one. Throws InputError when that is impossible or a file
@@ -61,6 +61,7 @@ class ShaftPipe {
 
   std::filesystem::path pipe_;
   int descriptor_;
+  EmulatedGrbl::Pulses here_{0, 0, 0}, zero_{0, 0, 0};  ///< zero_ is where the counts are 0
   EmulatedGrbl::OnPosition on_position_;
   std::optional<LineInput> lines_;
   std::optional<Repeater> reader_;
