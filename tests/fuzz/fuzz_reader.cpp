@@ -26,6 +26,7 @@
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/work_file.h"
 #include "planar_servo/hardware/drives/grbl_protocol.h"
+#include "planar_servo/hardware/links/modbus_map.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
@@ -94,6 +95,7 @@ const std::map<std::string, Reader>& readers() {
       {"arm", {"arm.yaml", [](const fs::path& path) { read_found_arm(path); }}},
       {"arm_learned", {"arm_learned.yaml", [](const fs::path& path) { read_learned_arm(path); }}},
       {"arm_samples", {"samples.csv", [](const fs::path& path) { read_arm_samples(path); }}},
+      {"modbus", {"drivers.yaml", [](const fs::path& path) { read_modbus_map(path); }}},
       {"tool_tip", {"needle.yaml", [](const fs::path& path) { read_tool_tip(path); }}},
       {"work", {"work.yaml", [](const fs::path& path) { read_works(path); }}},
       {"work_drawing", {"work.csv", [](const fs::path& path) { read_work_drawing(path); }}},
