@@ -225,5 +225,33 @@ TEST_CASE("A USB camera is found in /sys, and an inspection counts its frames") 
   CHECK(seen.packet_size == 0);
 }
 
+TEST_CASE("What a camera does to its pictures is undone at every opening, and told") {
+  PluggedCamera plugged;
+  plugged.function.set_processing(0.45F, true);
+  AravisSettings settings = settings_with(CameraTrigger::kFreeRun);
+  const CameraInspection seen = inspect_camera(settings, 0.2);
+  CHECK_FALSE(seen.refusal);
+  REQUIRE(seen.made_plain.size() == 2);
+  CHECK_THAT(seen.made_plain[0], Catch::StartsWith("Gamma was 0.4") && Catch::EndsWith("is 1"));
+  CHECK(seen.made_plain[1] == "ReverseX was true and is false");
+  CHECK(inspect_camera(settings, 0.2).made_plain.empty());
+}
+
+TEST_CASE("A camera that keeps its gamma is refused with what to do") {
+  test::SceneSensor sensor;
+  test::Usb3Camera function(
+      "U3V1", kSensor, kFrameRate_hz,
+      [&](const cv::Rect& region_px, double brightness) {
+        return sensor.expose(region_px, brightness);
+      },
+      true);
+  function.set_processing(0.45F, false);
+  const test::MockUsbDevice device(shared_bus(), function.description(), function);
+  const CameraInspection seen = inspect_camera(settings_with(CameraTrigger::kFreeRun), 0.2);
+  REQUIRE(seen.refusal);
+  CHECK_THAT(seen.refusal->fault, Catch::Contains("keeps Gamma at 0.45"));
+  CHECK_THAT(seen.refusal->remedy, Catch::Contains("maker's program"));
+}
+
 }  // namespace
 }  // namespace planar

@@ -276,5 +276,31 @@ TEST_CASE("The doctor tells a well board from one that differs or is absent") {
   CHECK_THAT(examine_grbl(bench.settings).at(0).fault, Contains("does not exist"));
 }
 
+TEST_CASE("FluidNC is told by its name, and its settings by their paths") {
+  GrblBench bench(HomeReference::kReverseSwitch);
+  bench.board.be_fluidnc();
+  SECTION("and moves as Grbl does") {
+    GrblDrives drives(bench.settings);
+    drives.energize();
+    drives.start_homing(0, HomeDirection::kReverse);
+    REQUIRE(eventually([&] { return !drives.status()[0].homing; }));
+    CHECK(drives.status()[0].position_certain);
+    for (int i = 1; i < 3; ++i) drives.set_position(i, 0);
+    drives.set_targets({500, 250, -250});
+    REQUIRE(all_rest(drives));
+    CHECK(positions(drives) == Targets{500, 250, -250});
+  }
+  SECTION("and is refused where these differ, by what mends them") {
+    bench.board.set(101, 80);
+    bench.board.set(1, 25);
+    bench.board.set(23, 5);
+    CHECK_THROWS_WITH(GrblDrives(bench.settings),
+                      Contains("FluidNC v3.7.12: its settings do not match the cell") &&
+                          Contains("$/axes/y/steps_per_mm=250") &&
+                          Contains("$/stepping/idle_ms=255") &&
+                          Contains("$/axes/y/homing/positive_direction=false"));
+  }
+}
+
 }  // namespace
 }  // namespace planar

@@ -144,9 +144,6 @@ TEST_CASE("Firmware that is not supported is named by what it says, with the way
     const auto refusal = foreign_firmware(said);
     return refusal ? refusal->text() : "";
   };
-  CHECK_THAT(named("Grbl 3.7 [FluidNC v3.7.8 (noradio) '$' for help]\n"),
-             Contains("has FluidNC") && Contains("settings in a file") &&
-                 Contains("is not supported") && Contains("grblHAL"));
   CHECK_THAT(named("[MSG:Grbl_ESP32 Ver 1.3a Date 20211103]\nGrbl 1.3a ['$' for help]\n"),
              Contains("has Grbl_ESP32"));
   CHECK_THAT(named("Grbl 0.9j ['$' for help]\n[0.9j.20160317:]\nok\n"),

@@ -38,11 +38,15 @@ standing "20, 110, 40"
 expect 1 "start with --home" "${servo[@]}" --out made
 expect 1 "whole turns from there.*--nearest-turn" "${servo[@]}" --home --out made
 # By hand and in a recording it is the same.
-jog() { printf '%s\n' "$@" quit | "$bin/planar-jog" --cell cell/cell.yaml >out.txt 2>err.txt || true; cat out.txt err.txt; }
-jog enable "mark 1" | grep -q "have no marks" || fail "a mark was taken: $(cat out.txt err.txt)"
-jog enable "joint 1 5" | grep -q "do not know where they stand" || fail "it moved unhomed: $(cat out.txt err.txt)"
-jog enable home | grep -q "whole turns from there" || fail "a turn was guessed: $(cat out.txt err.txt)"
-jog enable "home nearest-turn" where | grep -q "3 joints homed" || fail "by hand: $(cat out.txt err.txt)"
+# jog PATTERN FAULT COMMAND...
+jog() {
+  printf '%s\n' "${@:3}" quit | "$bin/planar-jog" --cell cell/cell.yaml >out.txt 2>&1 || true
+  grep -q "$1" out.txt || fail "$2: $(cat out.txt)"
+}
+jog "have no marks" "a mark was taken" enable "mark 1"
+jog "do not know where they stand" "it moved unhomed" enable "joint 1 5"
+jog "whole turns from there" "a turn was guessed" enable home
+jog "3 joints homed" "by hand" enable "home nearest-turn" where
 printf 'id,plan,x_mm,y_mm\nA,pose,200,100\n' >plan.csv
 "$bin/planar-record" --cell cell/cell.yaml --plan plan.csv --home --nearest-turn --out recorded >out.txt 2>err.txt ||
   fail "recording: $(cat out.txt err.txt)"

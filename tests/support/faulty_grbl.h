@@ -33,6 +33,10 @@ class FaultyGrbl : public EmulatedGrbl {
     const Lock lock(mutex_);
     settings_[number] = value;
   }
+  void be_fluidnc() {
+    const Lock lock(mutex_);
+    is_fluidnc_ = true;
+  }
   void press_limit(char axis, bool pressed) {
     const Lock lock(mutex_);
     pins_.erase(std::remove(pins_.begin(), pins_.end(), axis), pins_.end());

@@ -36,6 +36,9 @@ constexpr std::uint16_t kImagePayload = 1;
 constexpr int kAnswerEndpoint = 0x81;
 constexpr int kStreamEndpoint = 0x82;
 
+/// Registers that Aravis' fake camera does not have.
+constexpr guint32 kGamma = 0x800, kReverseX = 0x804;
+
 template <typename T>
 T get(const std::uint8_t* bytes) {
   T value;
@@ -72,6 +75,17 @@ std::string moved_xml(ArvFakeCamera* camera) {
       entries += "<EnumEntry Name=\"" + format.name + "\" NameSpace=\"Standard\"><Value>" +
                  std::to_string(format.code) + "</Value></EnumEntry>";
   xml.insert(xml.find("<pValue>PixelFormatRegister</pValue>"), entries);
+  const std::string processing = R"(
+    <Float Name="Gamma" NameSpace="Standard"><pValue>GammaRegister</pValue></Float>
+    <FloatReg Name="GammaRegister" NameSpace="Custom"><Address>0x500800</Address><Length>4</Length>
+      <AccessMode>RW</AccessMode><pPort>Device</pPort>
+      <Endianess>BigEndian</Endianess></FloatReg>
+    <Boolean Name="ReverseX" NameSpace="Standard"><pValue>ReverseXRegister</pValue></Boolean>
+    <IntReg Name="ReverseXRegister" NameSpace="Custom"><Address>0x500804</Address><Length>4</Length>
+      <AccessMode>RW</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign>
+      <Endianess>BigEndian</Endianess></IntReg>
+)";
+  xml.insert(xml.find("<Integer Name=\"BinningHorizontal\""), processing);
   return xml;
 }
 
@@ -97,15 +111,24 @@ struct Usb3Camera::Handles {
 };
 
 Usb3Camera::Usb3Camera(const std::string& serial, const cv::Size& sensor_px, double frame_rate_hz,
-                       Exposure exposure)
+                       Exposure exposure, bool keeps_gamma)
     : handles_(std::make_unique<Handles>(serial)),
       serial_(serial),
       exposure_(std::move(exposure)),
+      keeps_gamma_(keeps_gamma),
       xml_(moved_xml(handles_->camera)),
       stream_registers_(kSirmBytes),
       format_(&grey_formats().front()),
       switched_on_us_(g_get_monotonic_time()) {
   show_on(handles_->camera, exposure_, sensor_px, frame_rate_hz);
+  set_processing(1.0F, false);
+}
+
+void Usb3Camera::set_processing(float gamma, bool reversed) {
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &gamma, sizeof bits);
+  arv_fake_camera_write_register(handles_->camera, kGamma, bits);
+  arv_fake_camera_write_register(handles_->camera, kReverseX, reversed ? 1 : 0);
 }
 
 Usb3Camera::~Usb3Camera() = default;
@@ -199,6 +222,7 @@ std::optional<Usb3Camera::Bytes> Usb3Camera::read(std::uint64_t address, std::si
 }
 
 bool Usb3Camera::write(std::uint64_t address, const std::uint8_t* data, std::size_t size) {
+  if (keeps_gamma_ && address == kFeatures + kGamma) return true;
   if (address == kPixelFormat) return set_format(be32toh(get<std::uint32_t>(data)));
   if (address >= kFeatures && address < kXml)
     return arv_fake_camera_write_memory(handles_->camera, static_cast<guint32>(address - kFeatures),

@@ -22,11 +22,14 @@ namespace planar::test {
 class Usb3Camera final : public UsbFunction {
  public:
   Usb3Camera(const std::string& serial, const cv::Size& sensor_px, double frame_rate_hz,
-             Exposure exposure);
+             Exposure exposure, bool keeps_gamma = false);
   ~Usb3Camera() override;
 
   /// Returns the USB descriptors of a Daheng camera with this serial number.
   UsbDescription description() const;
+
+  /// What the camera does to its pictures, by its registers only.
+  void set_processing(float gamma, bool reversed);
 
   /// Makes the next frames end before their trailer (lose_trailers) or in the middle of their
   /// payload (truncate_payloads).
@@ -70,6 +73,7 @@ class Usb3Camera final : public UsbFunction {
   std::unique_ptr<Handles> handles_;
   std::string serial_;
   Exposure exposure_;
+  bool keeps_gamma_;
   std::string xml_;
   Bytes stream_registers_;
   std::deque<Bytes> answers_;

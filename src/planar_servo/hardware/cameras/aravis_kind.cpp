@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
+#include <optional>
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/csv_fields.h"
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/hardware/cameras/aravis_camera.h"
 #include "planar_servo/hardware/cameras/aravis_link.h"
@@ -101,6 +104,7 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
     FrameMemory memory(kCameraBlocks, bytes_of(pixel_format_named(settings.pixel_format), pixels));
     AravisLink link(settings, memory);
     inspection.identity = link.identity();
+    inspection.made_plain = link.made_plain();
     link.start({cv::Point(), settings.sensor_px});
     grab(link, settings, inspection);
     inspection.frame_bytes = link.frame_bytes();
@@ -131,6 +135,13 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
                       port, seen.identity),
           "", "camera"},
          Verdict::kWell}};
+    if (!seen.made_plain.empty())
+      findings.push_back(
+          {{fmt::format("it changed its pictures: {}", fmt::join(seen.made_plain, "; ")),
+            "every opening sets it so; if other programs use the camera, save it as "
+            "its default",
+            "pictures"},
+           Verdict::kDoubtful});
     const CameraPath known = path.value_or(CameraPath{});
     for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known)})
       findings.insert(findings.end(), judged.begin(), judged.end());
@@ -231,8 +242,18 @@ std::shared_ptr<const DeviceDetails> AravisKind::read(Fields& camera) const {
   camera.number("gain_db", settings.gain_db);
   camera.choice("pixel_format", settings.pixel_format, pixel_format_names());
   camera.choice("trigger", settings.trigger, kTriggers);
-  if (camera.given("packet_size", true))
-    camera.whole_number("packet_size", settings.packet_size, 0, kMaxPacketSize);
+  if (camera.given("packet_size", true)) {
+    std::string size = "auto";
+    camera.text("packet_size", size);
+    const std::optional<double> bytes = size == "auto" ? 0.0 : finite_number(size);
+    const bool fits =
+        bytes && *bytes >= 0.0 && *bytes <= kMaxPacketSize && *bytes == std::floor(*bytes);
+    camera.check(fits,
+                 {fmt::format("camera.packet_size is {}", size),
+                  fmt::format("auto or a whole number from 0 to {} is needed", kMaxPacketSize)},
+                 "packet_size");
+    if (fits) settings.packet_size = static_cast<int>(*bytes);
+  }
   return details;
 }
 

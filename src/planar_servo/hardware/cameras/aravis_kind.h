@@ -17,10 +17,11 @@ struct CameraPath;
 
 /// The behaviour of a camera that was opened and sent full frames for a moment.
 struct CameraInspection {
-  std::optional<Refusal> refusal;  ///< why it cannot be used; the rest is empty then
-  std::string identity;            ///< maker, model, firmware and serial number
-  std::size_t frame_bytes{0};      ///< of a full frame
-  int packet_size{0};              ///< of GigE, bytes; 0 on USB
+  std::optional<Refusal> refusal;       ///< why it cannot be used; the rest is empty then
+  std::string identity;                 ///< maker, model, firmware and serial number
+  std::vector<std::string> made_plain;  ///< what opening undid of what it did to its pictures
+  std::size_t frame_bytes{0};           ///< of a full frame
+  int packet_size{0};                   ///< of GigE, bytes; 0 on USB
   double duration_s{0.0};
   int complete{0};
   int incomplete{0};

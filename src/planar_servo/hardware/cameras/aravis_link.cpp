@@ -78,6 +78,8 @@ struct AravisLink::Impl {
   Impl(const AravisSettings& wanted, FrameMemory& frames)
       : settings(wanted), format(pixel_format_named(wanted.pixel_format)), memory(frames) {
     camera = settings.address.empty() ? open_usb(settings.id) : open_gige(settings.address);
+    made_plain = make_plain(camera.get());
+    for (const std::string& change : made_plain) spdlog::debug("the camera's " + change);
     require_identity(camera.get(), settings);
     apply_settings(camera.get(), settings);
     read_raster();
@@ -196,6 +198,7 @@ struct AravisLink::Impl {
   CameraClock clock;
   cv::Rect raster_px;  ///< increments of a region's position and size
   GObjectPtr<ArvCamera> camera;
+  std::vector<std::string> made_plain;
   GObjectPtr<ArvStream> stream;
   GObjectPtr<ArvBuffer> last;  ///< the newest complete frame, not yet given back
   gulong control_lost{0};
@@ -260,6 +263,10 @@ std::optional<AravisLink::Arrival> AravisLink::receive(double timeout_s) {
 
 std::string AravisLink::identity() const {
   return identity_of(impl_->camera.get());
+}
+
+const std::vector<std::string>& AravisLink::made_plain() const {
+  return impl_->made_plain;
 }
 
 bool AravisLink::lost() const {

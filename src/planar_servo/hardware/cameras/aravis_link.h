@@ -99,6 +99,9 @@ class AravisLink {
   /// Returns maker, model, firmware and serial number, as far as the camera tells them.
   std::string identity() const;
 
+  /// Returns what opening has undone of what the camera did to its pictures; see make_plain().
+  const std::vector<std::string>& made_plain() const;
+
   // These describe the stream that start() began.
   std::size_t frame_bytes() const;
   /// Returns the bytes of a GigE packet with its headers; 0 on USB.

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "planar_servo/base/core/clock.h"
@@ -108,7 +111,59 @@ GObjectPtr<ArvDevice> reach_gige(const std::string& address) {
   }
 }
 
+/// What leaves the pixels as the sensor has them, by the names of GenICam's SFNC; a camera has
+/// some. Edges of lamps are fitted to levels that are linear in light, and places to the whole
+/// sensor.
+constexpr std::pair<const char*, const char*> kPlain[] = {
+    {"LUTEnable", "false"},        {"GammaEnable", "false"},      {"Gamma", "1"},
+    {"SharpnessEnable", "false"},  {"SharpeningEnable", "false"}, {"BlackLevelAuto", "Off"},
+    {"BalanceWhiteAuto", "Off"},   {"BinningHorizontal", "1"},    {"BinningVertical", "1"},
+    {"DecimationHorizontal", "1"}, {"DecimationVertical", "1"},   {"ReverseX", "false"},
+    {"ReverseY", "false"},         {"TestPattern", "Off"},        {"TestImageSelector", "Off"}};
+
+/// Returns a feature's value as text; empty where the camera does not have it, or not now.
+std::optional<std::string> value_of(ArvGcNode* node) {
+  GError* ignored = nullptr;
+  std::optional<std::string> value;
+  if (node != nullptr && ARV_IS_GC_FEATURE_NODE(node) &&
+      arv_gc_feature_node_is_available(ARV_GC_FEATURE_NODE(node), &ignored) != FALSE) {
+    const char* const text =
+        arv_gc_feature_node_get_value_as_string(ARV_GC_FEATURE_NODE(node), &ignored);
+    if (ignored == nullptr && text != nullptr) value = text;
+  }
+  g_clear_error(&ignored);
+  return value;
+}
+
+bool same_value(const std::string& a, const std::string& b) {
+  char *end_a = nullptr, *end_b = nullptr;
+  const double number_a = std::strtod(a.c_str(), &end_a), number_b = std::strtod(b.c_str(), &end_b);
+  constexpr double kRounding = 1e-3;
+  if (end_a != a.c_str() && end_b != b.c_str()) return std::abs(number_a - number_b) < kRounding;
+  return a == b;
+}
+
 }  // namespace
+
+std::vector<std::string> make_plain(ArvCamera* camera) {
+  std::vector<std::string> changed;
+  for (const auto& [name, plain] : kPlain) {
+    ArvGcNode* const node = arv_device_get_feature(arv_camera_get_device(camera), name);
+    const auto before = value_of(node);
+    if (!before || same_value(*before, plain)) continue;
+    GError* refusal = nullptr;
+    arv_gc_feature_node_set_value_from_string(ARV_GC_FEATURE_NODE(node), plain, &refusal);
+    const std::string why = refusal != nullptr ? fmt::format(" ({})", refusal->message) : "";
+    g_clear_error(&refusal);
+    const auto after = value_of(node);
+    if (after && !same_value(*after, plain))
+      throw WorkError(
+          {fmt::format("the camera keeps {} at {}, where {} is needed{}", name, *after, plain, why),
+           "set it by the maker's program, and save it as the camera's default"});
+    changed.push_back(fmt::format("{} was {} and is {}", name, *before, plain));
+  }
+  return changed;
+}
 
 ArvPixelFormat arv_format(PixelFormat format) {
   // Aravis has no name for two of these numbers of GenICam's convention.

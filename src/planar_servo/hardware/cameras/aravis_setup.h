@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/devices/frame_source.h"
@@ -49,6 +50,11 @@ std::string identity_of(ArvCamera* camera);
 
 /// Throws unless the camera has the serial number and sensor size of the settings.
 void require_identity(ArvCamera* camera, const AravisSettings& settings);
+
+/// Undoes what a camera does to its pictures before it sends them: gamma, look-up tables,
+/// sharpening, binning, mirroring, test patterns, automatic black level. Returns what it changed,
+/// such as "Gamma was 0.45 and is 1". Throws for a feature that the camera keeps.
+std::vector<std::string> make_plain(ArvCamera* camera);
 
 /// Sets pixel format, exposure, gain, trigger and packet size.
 void apply_settings(ArvCamera* camera, const AravisSettings& settings);

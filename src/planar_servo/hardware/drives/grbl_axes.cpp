@@ -122,7 +122,8 @@ GrblAxes::GrblAxes(const GrblSettings& settings)
     : pulses_per_mm_(scales(settings)),
       watch_(pulses_per_mm_),
       board_(settings.port, settings.baud) {
-  if (const auto unfit = grbl::unfitness(board_.settings(), settings)) throw WorkError(*unfit);
+  if (const auto unfit = grbl::unfitness(board_.settings(), settings))
+    throw WorkError({fmt::format("{}: {}", board_.version().version, unfit->fault), unfit->remedy});
   spdlog::debug(fmt::format("the board at {} is {}", settings.port, board_.version().version));
 }
 

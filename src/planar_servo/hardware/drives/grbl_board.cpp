@@ -230,7 +230,28 @@ GrblBoard::GrblBoard(const std::string& port, int baud) : line_(port, baud), por
   find_board(baud);
   if (const auto foreign = grbl::foreign_firmware(said_))
     throw WorkError({port + " " + foreign->fault, foreign->remedy});
-  read_settings();
+  if (grbl::is_fluidnc(said_))
+    read_paths();
+  else
+    read_settings();
+}
+
+/// Asks a board with FluidNC for each setting that matters; one that it does not have stays away.
+void GrblBoard::read_paths() {
+  grbl::Settings settings;
+  for (const std::string& question : grbl::fluidnc_questions()) {
+    send(question);
+    for (int failures = 0; unanswered() > 0 && failures < kSettingsAttempts;) {
+      const auto line = hear(kSettingsPatience_s);
+      if (!line) ++failures;
+      if (const auto* setting = line ? std::get_if<grbl::StoredSetting>(&*line) : nullptr)
+        settings[setting->number] = setting->value;
+    }
+    forget_unanswered();
+  }
+  if (settings.empty()) throw WorkError("it does not report FluidNC's settings by paths");
+  grbl::fold_fluidnc(settings);
+  settings_ = settings;
 }
 
 void GrblBoard::find_board(int baud) {

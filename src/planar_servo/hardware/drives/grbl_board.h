@@ -78,6 +78,7 @@ class GrblBoard {
   void find_board(int baud);
   bool boots() const;
   void read_settings();
+  void read_paths();
   std::optional<grbl::Banner> hear_banner(double timeout_s, std::string& otherwise);
 
   SerialLine line_;

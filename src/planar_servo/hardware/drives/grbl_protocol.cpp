@@ -159,7 +159,52 @@ Line parse_report(std::string_view text, std::string_view line) {
   return report;
 }
 
+/// FluidNC's settings of an axis by what follows "axes/x/", with the number that Grbl gives them,
+/// or one of its own [FluidNC wiki, Config items; Commands and settings].
+struct FluidncSetting {
+  const char* name;
+  int number;  ///< of axis X; those of Y and Z follow
+};
+constexpr int kFluidncCycle = 2200, kFluidncPositive = 2300, kFluidnc = 2400;
+constexpr FluidncSetting kFluidncAxis[] = {{"steps_per_mm", 100},
+                                           {"max_rate_mm_per_min", 110},
+                                           {"acceleration_mm_per_sec2", 120},
+                                           {"homing/cycle", kFluidncCycle},
+                                           {"homing/positive_direction", kFluidncPositive}};
+constexpr char kFluidncIdle[] = "/stepping/idle_ms";
+constexpr char kAxes[] = "xyz";
+
+std::string fluidnc_path(const FluidncSetting& setting, int axis) {
+  return fmt::format("/axes/{}/{}", kAxes[axis], setting.name);
+}
+
+/// Returns the path of a setting that Grbl numbers so; empty where FluidNC numbers it, too.
+std::string fluidnc_path(int number) {
+  if (number == 1) return kFluidncIdle;
+  for (const FluidncSetting& setting : kFluidncAxis)
+    if (number >= setting.number && number < setting.number + 3)
+      return fluidnc_path(setting, number - setting.number);
+  return "";
+}
+
+/// Parses "/axes/x/steps_per_mm=250.000", the rest of a line of FluidNC.
+Line parse_path(std::string_view text) {
+  const std::size_t sign = text.find('=');
+  if (sign == std::string_view::npos) return Remark{};
+  const std::string_view path = text.substr(0, sign);
+  std::string_view value = text.substr(sign + 1);
+  std::optional<double> number = take_number<double>(value);
+  if (value == "true" || value == "false") number = value == "true" ? 1.0 : 0.0;
+  if (!number) return Remark{};
+  if (path == kFluidncIdle) return StoredSetting{1, *number};
+  for (const FluidncSetting& setting : kFluidncAxis)
+    for (int axis = 0; axis < 3; ++axis)
+      if (path == fluidnc_path(setting, axis)) return StoredSetting{setting.number + axis, *number};
+  return Remark{};
+}
+
 Line parse_setting(std::string_view text, std::string_view line) {
+  if (!text.empty() && text.front() == '/') return parse_path(text);
   const auto number = take_number<int>(text);
   if (!number || !take_prefix(text, "=")) return garbage(line);
   const auto value = take_number<double>(text);
@@ -174,6 +219,11 @@ Line parse_banner(std::string_view line) {
   std::string_view version = line.substr(gap + 1);
   const auto number = take_number<double>(version);
   if (!number) return garbage(line);
+  constexpr std::string_view kFluidncName = "[FluidNC ";
+  if (const std::size_t name = line.find(kFluidncName); name != std::string_view::npos) {
+    const std::string_view said = line.substr(name + 1);
+    return Banner{std::string(said.substr(0, said.find(' ', kFluidncName.size()))), *number};
+  }
   return Banner{std::string(line.substr(0, line.find(' ', gap + 1))), *number};
 }
 
@@ -186,7 +236,6 @@ std::string words_in(const Named<int> (&table)[N], const char* what, int number)
 
 /// Firmware that is not supported, by a part of what it says at its start, or asked by $I or M115.
 constexpr Named<std::string_view> kForeign[] = {
-    {"FluidNC", "FluidNC (it keeps its settings in a file)"},
     {"Grbl_ESP32", "Grbl_ESP32 (its development has ended)"},
     {"Grbl 1.3a", "Grbl_ESP32 (its development has ended)"},
     {"Grbl 0.", "a Grbl before 1.1 (it cannot jog)"},
@@ -239,7 +288,23 @@ class Comparison {
     const std::string has =
         found == settings_.end() ? "missing" : fmt::format("{:g}", found->second);
     faults_.push_back(fmt::format("${} is {} ({})", number, has, why));
-    commands_.push_back(fmt::format("${}={:g}", number, std::round(wanted * 1e3) * 1e-3));
+    command(number, std::round(wanted * 1e3) * 1e-3);
+  }
+
+  void command(int number, double value) {
+    if (settings_.count(kFluidnc) == 0)
+      return commands_.push_back(fmt::format("${}={:g}", number, value));
+    if (number == kHomingDirections) {
+      for (int axis = 0; axis < 3; ++axis)
+        commands_.push_back(
+            fmt::format("$/axes/{}/homing/positive_direction={}", kAxes[axis],
+                        (static_cast<int>(value) >> axis & 1) != 0 ? "false" : "true"));
+      return;
+    }
+    const std::string path =
+        number == kHomingEnabled ? "/axes/x/homing/cycle" : fluidnc_path(number);
+    commands_.push_back(path.empty() ? fmt::format("${}={:g}", number, value)
+                                     : fmt::format("${}={:g}", path, value));
   }
 
   std::optional<Refusal> refusal() const {
@@ -299,6 +364,28 @@ std::optional<Refusal> foreign_firmware(std::string_view said) {
                      "flash Grbl 1.1 (AVR processors) or grblHAL (ESP32 and most others), or use "
                      "another board; see doc/drives.md"};
   return std::nullopt;
+}
+
+bool is_fluidnc(std::string_view said) {
+  return said.find("FluidNC") != std::string_view::npos;
+}
+
+std::vector<std::string> fluidnc_questions() {
+  std::vector<std::string> questions{fmt::format("${}", kFluidncIdle), "$10", "$13"};
+  for (const FluidncSetting& setting : kFluidncAxis)
+    for (int axis = 0; axis < 3; ++axis) questions.push_back("$" + fluidnc_path(setting, axis));
+  return questions;
+}
+
+void fold_fluidnc(Settings& settings) {
+  settings[kFluidnc] = 1.0;
+  double enabled = 0.0, directions = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (settings[kFluidncCycle + axis] > 0.0) enabled = 1.0;
+    if (settings[kFluidncPositive + axis] == 0.0) directions += 1 << axis;
+  }
+  settings[kHomingEnabled] = enabled;
+  settings[kHomingDirections] = directions;
 }
 
 bool is_supported(const Banner& version) {

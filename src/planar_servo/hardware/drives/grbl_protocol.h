@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/geometry/arm/transmission.h"
@@ -75,6 +76,14 @@ Line parse_line(std::string_view text);
 /// Returns which firmware a board has that is known and not supported, and the way on, from all
 /// that it said; empty when it said nothing of the kind.
 std::optional<Refusal> foreign_firmware(std::string_view said);
+/// Returns whether a board that said this keeps its settings as FluidNC does, by paths.
+bool is_fluidnc(std::string_view said);
+/// Returns the questions for those settings of FluidNC that Grbl numbers, such as
+/// "$/axes/x/steps_per_mm". Their answers are parsed as settings with Grbl's numbers.
+std::vector<std::string> fluidnc_questions();
+/// Notes in the settings that they are FluidNC's, and in $22 and $23 what its axes say of their
+/// homing.
+void fold_fluidnc(Settings& settings);
 /// Returns whether this firmware is one that is supported: Grbl 1.1 or grblHAL.
 bool is_supported(const Banner& version);
 

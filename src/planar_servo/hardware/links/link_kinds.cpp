@@ -141,10 +141,10 @@ std::filesystem::path map_file(const CellSettings& cell, const std::string& name
   namespace fs = std::filesystem;
   const fs::path beside = cell.file.parent_path() / name;
   std::error_code unknown;
-  const fs::path programs = fs::read_symlink("/proc/self/exe", unknown).parent_path();
-  for (const fs::path& folder :
-       {programs / "../share/planar-servo/calib/modbus", programs / "../../../calib/modbus"})
-    if (!fs::exists(beside) && fs::exists(folder / name)) return folder / name;
+  fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  for (; !fs::exists(beside) && folder.has_relative_path(); folder = folder.parent_path())
+    for (const char* place : {"share/planar-servo/calib/modbus", "calib/modbus"})
+      if (fs::exists(folder / place / name)) return folder / place / name;
   return beside;
 }
 
@@ -166,7 +166,7 @@ std::string name_of(const ModbusLine& line) {
 std::string ModbusKind::new_keys(std::size_t joint, double mark_deg) const {
   return fmt::format(
              R"(    port: /dev/serial/by-id/ADAPTER  # the RS-485 adapter of all joints
-    baud: 115200
+    baud: 115200                   # its speed, and the drivers'
     parity: none                   # none, even, odd
     address: {:<21} # of this joint's driver
     registers: leadshine-rs.yaml   # map of its registers: doc/modbus.md

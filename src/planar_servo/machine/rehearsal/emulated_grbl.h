@@ -59,6 +59,7 @@ class EmulatedGrbl {
   std::string last_jog_;       ///< the last that it was sent, whether it obeyed or not
   std::string pins_;           ///< axes whose limit inputs are pressed
   bool silent_{false};         ///< it neither obeys nor answers
+  bool is_fluidnc_{false};     ///< it greets as FluidNC and keeps its settings by paths
   int answers_to_lose_{0};     ///< this many of the next answers to lines are not sent
 
  private:
@@ -74,6 +75,7 @@ class EmulatedGrbl {
   std::string jog(const std::string& words);
   std::string change(const std::string& words);
   std::string list_settings() const;
+  std::string tell_path(const std::string& path) const;
   std::string report() const;
   void write(const std::string& text);
   void step(double dt_s);
