@@ -57,8 +57,8 @@ def start_linuxcnc(folder):
         hal.write("loadrt sampler depth=4000 cfg=fff\naddf sampler.0 servo-thread\n"
                   + "".join(f"net j{i} => sampler.0.pin.{i}\n" for i in range(3)))
     subprocess.run([ROOT / "tests/drives/linuxcnc.sh", "start", configuration, folder / "linuxcnc"], check=True)
-    sampler = subprocess.Popen(["setpriv", "--reuid=nobody", "--regid=nogroup", "--clear-groups", "halsampler", "-c",
-                                "0"], stdout=subprocess.PIPE, text=True)
+    sampler = subprocess.Popen(["setpriv", "--reuid=nobody", "--regid=nogroup", "--clear-groups", "stdbuf", "-oL",
+                                "halsampler", "-c", "0"], stdout=subprocess.PIPE, text=True)
     forward = ("import sys\nscales, told = (%r), None\npipe = open(sys.argv[1], 'w')\n"
                "for line in sys.stdin:\n"
                "    counts = [round(float(v) * s) for v, s in zip(line.split(), scales)]\n"

@@ -36,13 +36,13 @@ TEST_CASE("What is within reach is travelled in the given time, from rest and at
 TEST_CASE("No axis is asked for more than its limits, and one is driven at them") {
   auto limits = kEqual;
   limits[1].speed_mm_s = 2.0;
-  CHECK(JogPath({0, 0, 0}, {500, 0, 0}, limits, grbl::kLongestRun_s).speed_mm_s() == Approx(10.0));
-  CHECK(JogPath({0, 0, 0}, {300, 400, 0}, limits, grbl::kLongestRun_s).speed_mm_s() == Approx(2.5));
+  CHECK(JogPath({0, 0, 0}, {500, 0, 0}, limits).speed_mm_s() == Approx(10.0));
+  CHECK(JogPath({0, 0, 0}, {300, 400, 0}, limits).speed_mm_s() == Approx(2.5));
 }
 
 TEST_CASE("A way is handed out piece by piece, on its line, and ends in its target") {
   const AxisPulses from(100, -50, 7), to(20100, 9950, 10007);
-  JogPath path(from, to, kEqual, grbl::kLongestRun_s);
+  JogPath path(from, to, kEqual);
   AxisPulses here = from;
   int pieces = 0;
   while (!path.all_sent()) {
@@ -58,7 +58,7 @@ TEST_CASE("A way is handed out piece by piece, on its line, and ends in its targ
 }
 
 TEST_CASE("While the axes do not move, nothing more is handed out") {
-  JogPath path({0, 0, 0}, {20000, 0, 0}, kEqual, grbl::kLongestRun_s);
+  JogPath path({0, 0, 0}, {20000, 0, 0}, kEqual);
   while (path.next_piece({0, 0, 0})) {
   }
   CHECK(path.sent().x() > 0);
@@ -68,13 +68,13 @@ TEST_CASE("While the axes do not move, nothing more is handed out") {
 }
 
 TEST_CASE("The rest of the way before counts as queued") {
-  JogPath path({5000, 0, 0}, {5000, 9000, 0}, kEqual, grbl::kLongestRun_s);
+  JogPath path({5000, 0, 0}, {5000, 9000, 0}, kEqual);
   CHECK_FALSE(path.next_piece({4000, 0, 0}).has_value());
   CHECK(path.next_piece({4990, 0, 0}).has_value());
 }
 
 TEST_CASE("A way leads on to targets for which no axis has to turn round") {
-  JogPath path({0, 0, 0}, {1000, -500, 0}, kEqual, grbl::kLongestRun_s);
+  JogPath path({0, 0, 0}, {1000, -500, 0}, kEqual);
   path.next_piece({0, 0, 0});
   const AxisPulses end = path.sent();
   REQUIRE(end.x() > 1);
@@ -85,7 +85,7 @@ TEST_CASE("A way leads on to targets for which no axis has to turn round") {
 }
 
 TEST_CASE("A way without length is travelled at once") {
-  JogPath path({5, 6, 7}, {5, 6, 7}, kEqual, grbl::kLongestRun_s);
+  JogPath path({5, 6, 7}, {5, 6, 7}, kEqual);
   CHECK(path.all_sent());
   CHECK_FALSE(path.next_piece({5, 6, 7}).has_value());
 }

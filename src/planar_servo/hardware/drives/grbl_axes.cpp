@@ -295,7 +295,7 @@ void GrblAxes::go_to(const AxisPulses& target, const std::array<AxisLimits, 3>& 
 }
 
 void GrblAxes::begin_path(const AxisPulses& from) {
-  path_.emplace(from, *goal_, limits_, grbl::kLongestRun_s);
+  path_.emplace(from, *goal_, limits_);
   may_move_ = true;
 }
 

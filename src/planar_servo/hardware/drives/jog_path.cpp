@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "planar_servo/hardware/drives/grbl_protocol.h"
+
 namespace planar {
 namespace {
 
@@ -21,12 +23,11 @@ double reach(double speed, double top_speed, double acceleration, double duratio
 }
 
 JogPath::JogPath(const AxisPulses& from, const AxisPulses& to,
-                 const std::array<AxisLimits, 3>& limits, double longest_run_s)
+                 const std::array<AxisLimits, 3>& limits)
     : from_(from),
       to_(to),
       sent_(from),
-      pulses_per_mm_(limits[0].pulses_per_mm, limits[1].pulses_per_mm, limits[2].pulses_per_mm),
-      longest_run_s_(longest_run_s) {
+      pulses_per_mm_(limits[0].pulses_per_mm, limits[1].pulses_per_mm, limits[2].pulses_per_mm) {
   const Eigen::Vector3d way = in_mm(to) - in_mm(from);
   length_ = way.norm();
   if (length_ == 0.0) return;
@@ -53,7 +54,7 @@ std::optional<AxisPulses> JogPath::next_piece(const AxisPulses& here) {
   const double passed = along - (since - along * direction_).norm();
   const double speed = std::min(speed_, std::sqrt(2.0 * acceleration_ * std::max(0.0, passed)));
   const double allowed =
-      std::min(length_, passed + reach(speed, speed_, acceleration_, longest_run_s_));
+      std::min(length_, passed + reach(speed, speed_, acceleration_, grbl::kLongestRun_s));
   if (allowed < length_ && allowed - sent_length_ < speed_ * kShortestPiece_s) return std::nullopt;
   sent_length_ = allowed;
   const Eigen::Vector3d end_mm = in_mm(from_) + direction_ * allowed;

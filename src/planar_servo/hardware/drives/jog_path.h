@@ -22,11 +22,10 @@ struct AxisLimits {
 double reach(double speed, double top_speed, double acceleration, double duration);
 
 /// A straight way of a board's axes, handed out in short pieces as it is travelled, so that the
-/// board never has more in its queue than it travels in a given time.
+/// board never has more in its queue than it travels in grbl::kLongestRun_s.
 class JogPath {
  public:
-  JogPath(const AxisPulses& from, const AxisPulses& to, const std::array<AxisLimits, 3>& limits,
-          double longest_run_s);
+  JogPath(const AxisPulses& from, const AxisPulses& to, const std::array<AxisLimits, 3>& limits);
 
   /// Returns the end of the next piece, given where the axes are. Empty while enough is queued and
   /// once all is sent.
@@ -46,7 +45,6 @@ class JogPath {
   AxisPulses from_, to_, sent_;
   Eigen::Vector3d pulses_per_mm_;
   Eigen::Vector3d direction_{0.0, 0.0, 0.0};
-  double longest_run_s_;
   double length_{0.0}, speed_{0.0}, acceleration_{0.0};  // mm and seconds
   double sent_length_{0.0};
 };

@@ -5,12 +5,14 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -22,9 +24,6 @@
 namespace planar {
 namespace {
 
-/// The travel that is handed over at most, so that a client that dies leaves less than 0.2 s of it.
-/// (LinuxCNC blends pieces, and may take 0.3 s.)
-constexpr double kLongestRun_s = 0.16;
 /// linuxcncrsh splits the lines of all its connections with one strtok(): a line that comes while
 /// another is being read is mistaken for it.
 constexpr std::chrono::milliseconds kApart{5};
@@ -32,6 +31,7 @@ constexpr std::chrono::milliseconds kApart{5};
 constexpr double kAnswer_s = 1.0;
 /// Joints that have not moved by a count for this long, with nothing left to do, rest.
 constexpr std::chrono::milliseconds kStill{40};
+constexpr std::chrono::milliseconds kStopRepeat{40};
 constexpr char kAckOf[] = " ACK", kNakOf[] = " NAK";
 
 bool ends(const std::string& text, const std::string& with) {
@@ -200,8 +200,68 @@ std::string RshConnection::get(const std::string& what) {
   throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, answer));
 }
 
+namespace {
+
+/// Takes the control and brakes. (Two lines of one connection are read one after the other.)
+std::string stop_words(const LinuxcncHost& host) {
+  return "set enable " + host.enable_password + "\r\nset abort\r\n";
+}
+
+void say(int socket, const std::string& words) {
+  (void)!::send(socket, words.data(), words.size(), MSG_NOSIGNAL);
+}
+
+/// What the process does; it calls nothing that another thread may have locked when it began.
+[[noreturn]] void watch(const std::string& words) {
+  constexpr int kPatience_ms = static_cast<int>(DeadMansHandle::kPatience_s * 1e3);
+  for (bool moving = false;;) {
+    pollfd line{STDIN_FILENO, POLLIN, 0};
+    const int heard = poll(&line, 1, moving ? kPatience_ms : -1);
+    char said[64];
+    const ssize_t count = heard > 0 ? ::read(STDIN_FILENO, said, sizeof said) : 0;
+    if (moving && count <= 0) say(STDOUT_FILENO, words);
+    if (heard > 0 && count <= 0) _exit(0);
+    moving = count > 0 && said[count - 1] == 'm';
+  }
+}
+
+}  // namespace
+
+DeadMansHandle::DeadMansHandle(const RshConnection& stopper, const std::string& words) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    throw WorkError(fmt::format("no pipe can be opened: {}", std::strerror(errno)));
+  process_ = fork();
+  if (process_ < 0)
+    throw WorkError(fmt::format("no process can be made: {}", std::strerror(errno)));
+  if (process_ > 0) {
+    close(ends[1]);
+    line_ = ends[0];
+    return;
+  }
+  for (const int ends_us : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(ends_us, SIG_IGN);
+  // What this program has open is not kept open by its child.
+  if (dup2(ends[1], STDIN_FILENO) < 0 || dup2(stopper.descriptor(), STDOUT_FILENO) < 0) _exit(1);
+  close_range(STDERR_FILENO, ~0U, 0);
+  watch(words);
+}
+
+DeadMansHandle::~DeadMansHandle() {
+  close(line_);
+  waitpid(process_, nullptr, 0);
+}
+
+void DeadMansHandle::hold(bool moving) {
+  if (moving || moving_) say(line_, moving ? "m" : "r");
+  moving_ = moving;
+}
+
 LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
-    : host_(host), reader_(host), mover_(host), stopper_(host) {
+    : host_(host),
+      reader_(host),
+      mover_(host),
+      stopper_(host),
+      handle_(stopper_, stop_words(host)) {
   const std::string path = reader_.get("inifile");
   std::ifstream ini(path);
   if (!ini) {
@@ -225,24 +285,33 @@ void LinuxcncLink::set(const std::string& what) {
 }
 
 void LinuxcncLink::take_control() {
-  while (awaits_mover_) hear_mover();
-  set("enable " + host_.enable_password);
+  hear_mover(kAnswer_s);
+  if (!controls_) set("enable " + host_.enable_password);
+  controls_ = true;
 }
 
-/// Waits for the acknowledgement of a command; LinuxCNC obeys it meanwhile.
-void LinuxcncLink::hear_mover() {
+/// Takes the acknowledgement of a move, if it has come; LinuxCNC obeys meanwhile.
+void LinuxcncLink::hear_mover(double patience_s) {
   if (!awaits_mover_) return;
-  const auto answer = mover_.hear(0.0);
+  const auto answer = mover_.hear(patience_s);
   if (!answer) return;
   awaits_mover_ = false;
   if (ends(*answer, kAckOf)) return;
-  path_.reset();
+  controls_ = false;
   refused_ = fmt::format("LinuxCNC refuses a move ({}): another client may have taken the control",
                          *answer);
 }
 
+/// Notes whether another client has taken the control since the move was sent.
+void LinuxcncLink::check_control() {
+  if (!controls_ || awaits_mover_ || ends(mover_.ask("get enable"), "ON")) return;
+  controls_ = false;
+  refused_ = "another client has taken the control of LinuxCNC";
+}
+
 void LinuxcncLink::switch_on() {
   refused_.clear();
+  controls_ = false;
   take_control();
   set("estop off");
   set("machine on");
@@ -275,44 +344,35 @@ void LinuxcncLink::search_home(int joint, HomeDirection /*direction*/) {
 void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) {
   take_control();
   if (reader_.get("mode") != "MDI") set("mode mdi");
-  std::array<AxisLimits, 3> axes;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double scale = host_.joints[i].counts_per_deg;
-    axes[i] = {scale, limits[i].speed_pulses_s / scale, limits[i].acceleration_pulses_s2 / scale};
-  }
   here_ = this->counts();
-  path_.emplace(here_, counts, axes, kLongestRun_s);
-  rest_.reset();
-  feed();
-}
-
-/// Sends the next piece of the way, once the one before is acknowledged.
-void LinuxcncLink::feed() {
-  hear_mover();
-  if (awaits_mover_ || !path_) return;
-  const auto piece = path_->next_piece(here_);
-  if (!piece) {
-    if (path_->all_sent()) path_.reset();
-    return;
+  const MoveTime time = time_of(counts - here_, limits);
+  std::string line = "set mdi G53 G61 G90 G1";  // blending would halve the acceleration
+  double length_deg = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LinuxcncJoint& joint = host_.joints[i];
+    const int count = counts[static_cast<int>(i)];
+    line += fmt::format(" {}{:.6f}", joint.axis, count / joint.counts_per_deg);
+    length_deg =
+        std::hypot(length_deg, (count - here_[static_cast<int>(i)]) / joint.counts_per_deg);
   }
-  std::string line = "set mdi G53 G90 G64 G1";
-  for (std::size_t i = 0; i < 3; ++i)
-    line += fmt::format(" {}{:.6f}", host_.joints[i].axis,
-                        (*piece)[static_cast<int>(i)] / host_.joints[i].counts_per_deg);
   constexpr double kPerMinute = 60.0;
-  mover_.send(line + fmt::format(" F{:.3f}", kPerMinute * path_->speed_mm_s()));
-  awaits_mover_ = true;
+  const double speed_deg_s = length_deg / (time.duration_s - time.ramp_s);
+  handle_.hold(true);
+  mover_.send(line + fmt::format(" F{:.3f}", kPerMinute * speed_deg_s));
   std::this_thread::sleep_for(kApart);
+  awaits_mover_ = true;
+  target_ = counts;
+  told_to_stop_.reset();
+  rest_.reset();
 }
 
 void LinuxcncLink::stop() {
-  path_.reset();
-  for (const std::string& line :
-       {"set enable " + host_.enable_password, std::string("set abort")}) {
-    stopper_.send(line);
-    std::this_thread::sleep_for(kApart);
-  }
+  say(stopper_.descriptor(), stop_words(host_));
+  std::this_thread::sleep_for(kApart);
+  told_to_stop_ = Clock::now();
   homing_joint_.reset();
+  target_.reset();
+  controls_ = false;
 }
 
 Pulses LinuxcncLink::counts() const {
@@ -335,8 +395,16 @@ Pulses LinuxcncLink::counts() const {
 MachineState LinuxcncLink::state_now() {
   MachineState state;
   state.counts = counts();
-  const bool is_stopped = reader_.get("estop").find("ON") != std::string::npos;
-  state.on = !is_stopped && reader_.get("machine").find("ON") != std::string::npos;
+  bool is_stopped = false;
+  const auto look = [&] {
+    is_stopped = reader_.get("estop").find("ON") != std::string::npos;
+    state.on = !is_stopped && reader_.get("machine").find("ON") != std::string::npos;
+  };
+  look();
+  if (was_on_ && !state.on) {  // an answer may be another connection's
+    std::this_thread::sleep_for(kApart);
+    look();
+  }
   if (was_on_ && is_stopped) state.faults.emplace_back("LinuxCNC's emergency stop is pressed");
   for (const char* what : {"joint_limit", "joint_fault"}) {
     std::istringstream words(reader_.get(what));
@@ -360,21 +428,26 @@ MachineState LinuxcncLink::read() {
   here_ = state.counts;
   while (stopper_.hear(0.0)) {
   }
-  feed();
+  hear_mover(0.0);
   // Motors without current stand anywhere.
   if (was_on_ && !state.on) ++losses_;
   was_on_ = state.on;
   state.losses = losses_;
   const bool is_idle = reader_.get("program_status").find("IDLE") != std::string::npos;
-  state.moving = state.on && (path_ || awaits_mover_ || !is_idle || now - changed_ < kStill);
+  const bool is_there = target_ && (here_ - *target_).cwiseAbs().maxCoeff() <= kInPosition_counts;
+  state.moving = state.on && (!is_idle || now - changed_ < kStill || (awaits_mover_ && !is_there));
   if (homing_joint_) {
     const std::string homed = reader_.get(fmt::format("joint_homed {}", *homing_joint_));
     state.homing = state.on && homed.find("YES") == std::string::npos;
     state.moving = state.moving || state.homing;
     if (!state.moving) homing_joint_.reset();
   }
+  handle_.hold(state.moving);
+  // A line may get lost where another client asks at the same moment.
+  if (state.moving && told_to_stop_ && now - *told_to_stop_ > kStopRepeat) stop();
   if (state.moving) return state;
-  path_.reset();
+  told_to_stop_.reset();
+  if (!rest_) check_control();
   if (!rest_) rest_ = here_;
   if ((*rest_ - here_).cwiseAbs().maxCoeff() > kInPosition_counts && state.on)
     state.faults.push_back(

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -8,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "planar_servo/hardware/drives/jog_path.h"
 #include "planar_servo/hardware/links/machine_link.h"
 
 namespace planar {
@@ -49,16 +50,36 @@ class RshConnection {
   std::string ask(const std::string& line);
   /// Returns what follows the words that a get repeats.
   std::string get(const std::string& what);
+  int descriptor() const { return socket_; }
 
  private:
   int socket_{-1};
   std::string heard_;
 };
 
-/// Three joints of a machine that LinuxCNC moves, through linuxcncrsh. A move is handed over by MDI
-/// lines of at most 0.16 s of travel, braking included, because LinuxCNC finishes what it
-/// has when its client dies; read() sends the next one. linuxcncrsh takes 0.1 s to acknowledge a
-/// command, though it obeys at once: so one connection moves, one reads, and one stops.
+/// A process that has LinuxCNC brake when this one dies, or hangs while the machine moves. Without
+/// it LinuxCNC would finish the move.
+class DeadMansHandle {
+ public:
+  /// `stopper` is the connection by which it says `words`.
+  DeadMansHandle(const RshConnection& stopper, const std::string& words);
+  ~DeadMansHandle();
+  DeadMansHandle(const DeadMansHandle&) = delete;
+  DeadMansHandle& operator=(const DeadMansHandle&) = delete;
+
+  /// Is called every few milliseconds while the machine moves, or else it brakes after kPatience_s.
+  void hold(bool moving);
+  static constexpr double kPatience_s{0.15};
+
+ private:
+  pid_t process_{-1};
+  int line_{-1};
+  bool moving_{false};
+};
+
+/// Three joints of a machine that LinuxCNC moves, through linuxcncrsh, a move by one MDI line.
+/// linuxcncrsh acknowledges a command 0.1 s after it has obeyed, and takes commands from one
+/// connection at a time, the one that asked for it last: so one moves, one reads, and one stops.
 class LinuxcncLink final : public MachineLink {
  public:
   /// Compares the machine's INI with the cell, where that is a file of this machine. Moves nothing.
@@ -82,21 +103,24 @@ class LinuxcncLink final : public MachineLink {
   void set(const std::string& what);
   void take_control();
   void home(const LinuxcncJoint& joint);
-  void hear_mover();
-  void feed();
+  void hear_mover(double patience_s);
+  void check_control();
   Pulses counts() const;
   MachineState state_now();
 
   LinuxcncHost host_;
   mutable RshConnection reader_;
   RshConnection mover_, stopper_;
+  DeadMansHandle handle_;
   std::string unchecked_;
-  std::optional<JogPath> path_;
+  std::optional<Pulses> target_;
   bool awaits_mover_{false};
-  std::string refused_;  ///< by LinuxCNC, of the last move
+  bool controls_{false};  ///< linuxcncrsh obeys mover_, as far as we know
+  std::string refused_;   ///< by LinuxCNC, of the last move
   Pulses here_{0, 0, 0};
   std::optional<Pulses> rest_;  ///< where the joints rest until they are told to move
   Clock::time_point changed_;
+  std::optional<Clock::time_point> told_to_stop_;  ///< until it rests
   int losses_{0};
   bool was_on_{false};
   std::optional<int> homing_joint_;
