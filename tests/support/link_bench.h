@@ -39,7 +39,8 @@ inline std::filesystem::path cell_with_drives(const TemporaryFolder& folder,
     REQUIRE(at != std::string::npos);
     text.replace(at, from.size(), to);
   };
-  change("source: virtual", "source: aravis, id: x, exposure_us: 1000, gain_db: 0, pixel_format: Mono8, trigger: "
+  change("source: virtual",
+         "source: aravis, id: x, exposure_us: 1000, gain_db: 0, pixel_format: Mono8, trigger: "
          "software, packet_size: 1500");
   for (const std::string& keys : drives)
     change("kind: virtual,", "home: {reference: taught, at_deg: 10}, " + keys + ",");

@@ -7,7 +7,7 @@ import {ask, tell} from "./link.js";
 import {choose} from "./place.js";
 import {kindOf, stateText} from "./results.js";
 
-let targets = [], results = new Map(), job = null;
+let targets = [], results = new Map(), job = null, whither = "";
 
 function rowOf(target) {
   const result = results.get(target.id) || null;
@@ -22,7 +22,7 @@ function rowOf(target) {
 function countText() {
   if (!targets.length) return "none yet";
   const reached = targets.filter(({id}) => kindOf(results.get(id)) === "reached").length;
-  return results.size ? `${reached} of ${targets.length} reached` : `${targets.length}`;
+  return (results.size ? `${reached} of ${targets.length} reached` : `${targets.length}`) + whither;
 }
 
 function showTargets() {
@@ -47,6 +47,7 @@ export async function loadTargets() {
   for (const row of rows) heed(row);
   targets = list;
   if (!byId("csv").matches(":focus")) byId("csv").value = table.csv;
+  whither = (table.work && `, on ${table.work}`) + (table.tool && `, with ${table.tool}`);
   offer("on-work", table.works, table.work);
   offer("with-tool", table.tools, table.tool);
   showTargets();

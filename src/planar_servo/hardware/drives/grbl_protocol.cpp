@@ -172,10 +172,10 @@ constexpr FluidncSetting kFluidncAxis[] = {{"steps_per_mm", 100},
                                            {"homing/cycle", kFluidncCycle},
                                            {"homing/positive_direction", kFluidncPositive}};
 constexpr char kFluidncIdle[] = "/stepping/idle_ms";
-constexpr char kAxes[] = "xyz";
+constexpr char kFluidncAxes[] = "xyz";
 
 std::string fluidnc_path(const FluidncSetting& setting, int axis) {
-  return fmt::format("/axes/{}/{}", kAxes[axis], setting.name);
+  return fmt::format("/axes/{}/{}", kFluidncAxes[axis], setting.name);
 }
 
 /// Returns the path of a setting that Grbl numbers so; empty where FluidNC numbers it, too.
@@ -297,7 +297,7 @@ class Comparison {
     if (number == kHomingDirections) {
       for (int axis = 0; axis < 3; ++axis)
         commands_.push_back(
-            fmt::format("$/axes/{}/homing/positive_direction={}", kAxes[axis],
+            fmt::format("$/axes/{}/homing/positive_direction={}", kFluidncAxes[axis],
                         (static_cast<int>(value) >> axis & 1) != 0 ? "false" : "true"));
       return;
     }

@@ -139,7 +139,7 @@ void check_line(Fields& drive, const CellSettings& cell, std::size_t joint, std:
 /// installed or in the checkout.
 std::filesystem::path map_file(const CellSettings& cell, const std::string& name) {
   namespace fs = std::filesystem;
-  const fs::path beside = cell.file.parent_path() / name;
+  fs::path beside = cell.file.parent_path() / name;
   std::error_code unknown;
   fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
   for (; !fs::exists(beside) && folder.has_relative_path(); folder = folder.parent_path())

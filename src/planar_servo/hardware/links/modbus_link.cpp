@@ -1,7 +1,7 @@
 #include "planar_servo/hardware/links/modbus_link.h"
 
 #include <fmt/format.h>
-#include <modbus.h>
+#include <modbus/modbus.h>
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
 #include <termios.h>
@@ -54,7 +54,7 @@ const char* remedy_for(int error) {
 
 }  // namespace
 
-void ModbusLink::Free::operator()(_modbus* context) const {
+void ModbusLink::Free::operator()(modbus_t* context) const {
   modbus_close(context);
   modbus_free(context);
 }

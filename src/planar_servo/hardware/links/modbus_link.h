@@ -1,5 +1,7 @@
 #pragma once
 
+#include <modbus/modbus.h>
+
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -8,8 +10,6 @@
 
 #include "planar_servo/hardware/links/machine_link.h"
 #include "planar_servo/hardware/links/modbus_map.h"
-
-struct _modbus;
 
 namespace planar {
 
@@ -79,9 +79,9 @@ class ModbusLink final : public MachineLink {
 
   ModbusLine line_;
   struct Free {
-    void operator()(_modbus* context) const;
+    void operator()(modbus_t* context) const;
   };
-  std::unique_ptr<_modbus, Free> context_;
+  std::unique_ptr<modbus_t, Free> context_;
   LineErrors errors_;
   double skew_s_{0.0};
   bool proven_{false};  ///< positions have shown the order of words
