@@ -7,6 +7,8 @@ The motors are simulated: put calls of your machine where Machine has formulas. 
 import select
 import sys
 import time
+from collections.abc import Callable
+from typing import TextIO
 
 SILENCE_S = 0.5  # planar-servo asks every few milliseconds while the machine moves
 
@@ -14,12 +16,12 @@ SILENCE_S = 0.5  # planar-servo asks every few milliseconds while the machine mo
 class Machine:
     """Counts of three motors, and the straight move that they make."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.on, self.losses, self.fault = False, 0, ""
         self.begin, self.way = [0.0] * 3, [0.0] * 3
         self.since, self.duration, self.ramp = 0.0, 0.0, 0.0
 
-    def share(self):
+    def share(self) -> float:
         """Returns how much of the way is done: it speeds up for `ramp`, and slows down as long."""
         t, left = time.monotonic() - self.since, self.since + self.duration - time.monotonic()
         if left <= 0:
@@ -29,19 +31,19 @@ class Machine:
             return speed * t * t / (2 * self.ramp)
         return 1 - speed * left * left / (2 * self.ramp) if left < self.ramp else speed * (t - self.ramp / 2)
 
-    def counts(self):
+    def counts(self) -> list[int]:
         share = self.share()
         return [round(begin + share * way) for begin, way in zip(self.begin, self.way)]
 
-    def moves(self):
+    def moves(self) -> bool:
         return time.monotonic() < self.since + self.duration
 
-    def move(self, counts, duration, ramp):
+    def move(self, counts: list[int], duration: float, ramp: float) -> None:
         self.begin = [float(count) for count in self.counts()]
         self.way = [end - begin for end, begin in zip(counts, self.begin)]
         self.since, self.duration, self.ramp = time.monotonic(), duration, ramp
 
-    def stop(self):
+    def stop(self) -> None:
         """Brakes with the acceleration of the move, along its way."""
         t = time.monotonic() - self.since
         if not self.moves() or t > self.duration - self.ramp:
@@ -51,12 +53,12 @@ class Machine:
         self.way = [share * way for way in self.way]
         self.duration, self.ramp = t + ramp, ramp
 
-    def where(self):
+    def where(self) -> str:
         motion = "off" if not self.on else "moving" if self.moves() else "resting"
         return f"{' '.join(map(str, self.counts()))} {motion} {self.losses} {self.fault}".rstrip()
 
 
-def obey(machine, request):
+def obey(machine: Machine, request: str) -> str:
     """Does what is asked and returns the answer."""
     word, *values = request.split()
     if word == "hello":
@@ -74,9 +76,14 @@ def obey(machine, request):
     return "ok"
 
 
-def serve(machine, shafts=None, answer=obey, write=lambda text: print(text, flush=True)):
+def say(text: str) -> None:
+    print(text, flush=True)
+
+
+def serve(machine: Machine, shafts: TextIO | None = None, answer: Callable[[Machine, str], str] = obey,
+          write: Callable[[str], None] = say) -> None:
     """Answers lines until standard input ends, then brakes."""
-    heard_s, told = time.monotonic(), None
+    heard_s, told = time.monotonic(), list[int]()
     while True:
         if select.select([sys.stdin], [], [], 0.002 if machine.moves() else 0.05)[0]:
             line = sys.stdin.readline()
@@ -88,7 +95,7 @@ def serve(machine, shafts=None, answer=obey, write=lambda text: print(text, flus
         if time.monotonic() - heard_s > SILENCE_S:
             machine.stop()
         if shafts and told != (counts := machine.counts()):
-            shafts.write(" ".join(map(str, counts if told else ["at", *counts])) + "\n")
+            shafts.write(("" if told else "at ") + " ".join(map(str, counts)) + "\n")
             shafts.flush()
             told = counts
     machine.stop()
