@@ -249,7 +249,10 @@ void GrblBoard::read_paths() {
     }
     forget_unanswered();
   }
-  if (settings.empty()) throw WorkError("it does not report FluidNC's settings by paths");
+  if (settings.empty())
+    throw WorkError({fmt::format("it has {}, which does not report its settings by their paths",
+                                 version_.version),
+                     "take a FluidNC that answers $/axes/x/steps_per_mm, or flash grblHAL"});
   grbl::fold_fluidnc(settings);
   settings_ = settings;
 }
