@@ -4,12 +4,13 @@
 
 #include <cstdlib>
 
+#include "planar_servo/base/devices/drive_limits.h"
+
 namespace planar {
 namespace {
 
 /// Grbl counts lengths in numbers of 24 bits and rounds several times; beyond this it loses pulses.
 constexpr int kFarthest_pulses = 1 << 21;
-constexpr double kAllowedExcess = 1.001;
 
 }  // namespace
 
@@ -109,15 +110,10 @@ void GrblDrives::energize() {
 }
 
 void GrblDrives::set_limits(const std::array<DriveLimits, 3>& limits) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double speed = limits[i].speed_pulses_s, acceleration = limits[i].acceleration_pulses_s2;
-    if (!(speed > 0.0 && speed <= kAllowedExcess * axis(i).speed_pulses_s) ||
-        !(acceleration > 0.0 && acceleration <= kAllowedExcess * axis(i).acceleration_pulses_s2))
-      throw InputError({fmt::format("drive {} cannot keep {:g} pulses/s and {:g} pulses/s^2", i + 1,
-                                    speed, acceleration),
-                        fmt::format("its cell allows up to {:g} and {:g}", axis(i).speed_pulses_s,
-                                    axis(i).acceleration_pulses_s2)});
-  }
+  std::array<DriveLimits, 3> rated;
+  for (std::size_t i = 0; i < 3; ++i)
+    rated[i] = {axis(i).speed_pulses_s, axis(i).acceleration_pulses_s2};
+  require_within(limits, rated);
   for (std::size_t i = 0; i < 3; ++i) speeds_pulses_s_[i] = limits[i].speed_pulses_s;
 }
 

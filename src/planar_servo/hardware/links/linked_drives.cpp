@@ -6,10 +6,11 @@
 #include <thread>
 #include <utility>
 
+#include "planar_servo/base/devices/drive_limits.h"
+
 namespace planar {
 namespace {
 
-constexpr double kTooMuch = 1.001;
 /// No machine of this size brakes for longer.
 constexpr std::chrono::milliseconds kBrakingPatience{2000};
 constexpr std::chrono::milliseconds kBrakingPoll{2};
@@ -117,15 +118,7 @@ void LinkedDrives::energize() {
 }
 
 void LinkedDrives::set_limits(const std::array<DriveLimits, 3>& limits) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto [speed, acceleration] = limits[i];
-    if (!(speed > 0.0 && speed <= kTooMuch * rated_[i].speed_pulses_s) ||
-        !(acceleration > 0.0 && acceleration <= kTooMuch * rated_[i].acceleration_pulses_s2))
-      throw InputError({fmt::format("drive {} cannot keep {:g} pulses/s and {:g} pulses/s^2", i + 1,
-                                    speed, acceleration),
-                        fmt::format("its cell allows up to {:g} and {:g}", rated_[i].speed_pulses_s,
-                                    rated_[i].acceleration_pulses_s2)});
-  }
+  require_within(limits, rated_);
   limits_ = limits;
 }
 
