@@ -286,6 +286,7 @@ void LinuxcncLink::set(const std::string& what) {
 
 void LinuxcncLink::take_control() {
   hear_mover(kAnswer_s);
+  if (awaits_mover_) throw WorkError("LinuxCNC has not acknowledged the last move");
   if (!controls_) set("enable " + host_.enable_password);
   controls_ = true;
 }
