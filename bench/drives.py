@@ -77,6 +77,7 @@ def run(bin, out, kind, targets):
     if kind == "command":
         shutil.copy(ROOT / "examples/python/motion_program.py", folder)
     if kind == "modbus":
+        shutil.copy(ROOT / "calib/modbus/leadshine-rs.yaml", folder)
         helpers.append(subprocess.Popen(
             ["/usr/bin/python3", "-B", ROOT / "tests/drives/modbus_drivers.py", ROOT / "examples/python",
              folder / "line", "--shafts", folder / "shafts"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
@@ -99,6 +100,10 @@ def run(bin, out, kind, targets):
     if not (folder / "run/results.csv").exists():
         raise SystemExit(f"{kind}: {done.stderr}")
     rows = list(csv.DictReader(line for line in open(folder / "run/results.csv") if line[0] != "#"))
+    if done.returncode != 0:
+        print(f"{kind}: {done.stderr.strip()}", file=sys.stderr)
+    if not rows:
+        raise SystemExit(f"{kind}: no target was tried")
     return rows, seconds, folder
 
 
@@ -106,13 +111,20 @@ def true_errors(rows, folder):
     """The tool's true distance from each target where it rested last near it."""
     truth = [tuple(map(float, line)) for line in csv.reader(open(folder / "truth.csv")) if line[0][0].isdigit()]
     rests = [(x, y) for (t, x, y, _), (after, *_) in zip(truth, truth[1:] + [(1e12,)]) if after - t > 0.1]
-    errors = []
-    for row in rows:
-        if row["status"] != "reached":
-            continue
-        x, y = float(row["x_mm"]), float(row["y_mm"])
-        near = [d for d in (((rx - x) ** 2 + (ry - y) ** 2) ** 0.5 for rx, ry in rests) if d < 1.0]
-        errors.append(near[-1])
+    # Rests come in the order of the targets: those of one end where the next one's begin.
+    errors, first = [], 0
+    for row, after in zip(rows, [*rows[1:], None]):
+        def miss(rest, of):
+            return ((rest[0] - float(of["x_mm"])) ** 2 + (rest[1] - float(of["y_mm"])) ** 2) ** 0.5
+
+        def first_near(of):
+            return next((i for i in range(first, len(rests)) if miss(rests[i], of) < 1.0), len(rests))
+
+        first = first_near(row)
+        end = first_near(after) if after else len(rests)
+        near = [d for d in (miss(rest, row) for rest in rests[first:max(end, first + 1)]) if d < 1.0]
+        if row["status"] == "reached":
+            errors.append(near[-1])
     return errors
 
 

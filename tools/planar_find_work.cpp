@@ -10,10 +10,10 @@
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/saved_frames.h"
 #include "planar_servo/work/workpiece/work_page.h"
 #include "planar_servo/work/workpiece/work_watch.h"
 #include "program.h"
-#include "saved_frames.h"
 
 namespace planar {
 namespace {

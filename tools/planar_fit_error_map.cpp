@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/calibration_files.h"
@@ -25,8 +26,10 @@ const ProgramText kText{
     "planar-fit-error-map",
     "planar-fit-error-map [--method auto|rbf|idw|hand:WIDTH_MM] [--report FILE.html|none]\n"
     "                            -o map.yaml pairs.csv\n"
-    "       planar-fit-error-map --cell cell.yaml [--lays lays.csv] [--arm-out arm.yaml]\n"
-    "                            [--report FILE.html|none] -o map.yaml pairs.csv",
+    "       planar-fit-error-map --cell cell.yaml [--lays lays.csv] [--bar bar.csv] [--marks "
+    "marks.csv]\n"
+    "                            [--image FILE...] [--arm-out arm.yaml] [--report FILE.html|none]\n"
+    "                            -o map.yaml pairs.csv",
     R"(pairs used          199 (1 rejected)
   p17: 3.0047 mm from what the other pairs predict there, where 0.0276 mm is allowed
 method              gaussian_rbf
@@ -45,7 +48,9 @@ auto                  0.0097     0.0148  (0.0111 to 0.0197))"};
 struct Options {
   std::string method{"auto"}, report;
   std::filesystem::path output;
-  std::filesystem::path pairs, cell, lays, arm_out;
+  std::filesystem::path pairs, cell, lays, arm_out, bar, marks;
+  double bar_sigma_mm{0.005}, marks_sigma_mm{0.02};
+  std::vector<std::filesystem::path> images;
 };
 
 struct Fitted {
@@ -64,7 +69,13 @@ Fitted fit_and_compare(const std::filesystem::path& file, const MapMethodChoice&
 }
 
 LampFieldFiles files_of(const Options& options) {
-  return {options.pairs, options.lays, options.output, options.arm_out};
+  LampFieldFiles files{options.pairs, options.lays, options.output, options.arm_out};
+  files.bar = options.bar;
+  files.marks = options.marks;
+  files.bar_sigma = options.bar_sigma_mm * kMillimetre;
+  files.marks_sigma = options.marks_sigma_mm * kMillimetre;
+  files.images = options.images;
+  return files;
 }
 
 /// Says what speaks against the map that was written.
@@ -101,6 +112,10 @@ Outcome fit(const Options& options) {
   for (const MadeFile& input : files_of(options).inputs()) inputs.push_back(input.path);
   require_outputs({{options.output, "map"}, {options.arm_out, "arm"}}, inputs);
   const auto page = page_for(options.report, options.output);
+  if ((options.bar.empty() && options.marks.empty()) != options.images.empty())
+    throw InputError(Refusal{"--bar and --marks need pictures, and --image one of them",
+                             "give whole pictures that show them, such as planar-record --bar "
+                             "takes"});
   if (!options.cell.empty()) return fit_with_cell(options, page);
   const MapMethodChoice choice = parse_map_method(options.method);
   const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
@@ -130,6 +145,32 @@ void add_options(CLI::App& app, Options& options) {
                  "the field's shape and, with a known pitch, its scale")
       ->needs(cell)
       ->type_name("lays.csv");
+  CLI::Option* bar =
+      app.add_option("--bar", options.bar,
+                     "the two marks of a bar of certified length, as work.csv has them: its "
+                     "pictures give the scale")
+          ->needs(cell)
+          ->type_name("bar.csv");
+  app.add_option("--bar-sigma-mm", options.bar_sigma_mm,
+                 "standard deviation of its length, its growth by warmth included")
+      ->needs(bar)
+      ->check(CLI::PositiveNumber)
+      ->type_name("S")
+      ->capture_default_str();
+  CLI::Option* marks =
+      app.add_option("--marks", options.marks,
+                     "marks of the base at their places in its frame, as work.csv has them: they "
+                     "give datum and turn")
+          ->needs(cell)
+          ->type_name("marks.csv");
+  app.add_option("--marks-sigma-mm", options.marks_sigma_mm,
+                 "standard deviation of such a place per axis")
+      ->needs(marks)
+      ->check(CLI::PositiveNumber)
+      ->type_name("S")
+      ->capture_default_str();
+  add_value(app, "--image", options.images, "FILE",
+            "whole pictures of the bar and of the base's marks");
   app.add_option("--arm-out", options.arm_out, "the arm that was found")
       ->needs(cell)
       ->type_name("arm.yaml");

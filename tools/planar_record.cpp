@@ -2,9 +2,14 @@
 #include <spdlog/spdlog.h>
 
 #include "homing_options.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/terminal.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/record/recorder.h"
+#include "planar_servo/work/workpiece/bar_places.h"
 #include "program.h"
 
 namespace planar {
@@ -14,14 +19,16 @@ const ProgramText kText{
     "planar-record",
     "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home] [--at-marks]\n"
     "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|none]\n"
-    "                     [--on-bad-reading repeat|skip|stop]",
+    "                     [--on-bad-reading repeat|skip|stop]\n"
+    "       planar-record --cell cell.yaml --bar bar.csv [--bar-places N] --out DIR",
     "1 positions recorded (0 were there before): 3 frames, 1 of them full\n"
     "recording: RECORDING\n"
     "camera: 3 whole frames; left out: 0 with parts missing, 0 repeated; the camera was lost and "
     "found 0 times"};
 
 struct Options {
-  std::filesystem::path cell, plan;
+  std::filesystem::path cell, plan, bar;
+  std::size_t bar_places{8};
   RecordRequest request;
   std::string grid;  ///< empty: none
   std::string display{"none"};
@@ -31,7 +38,8 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
-  add_required(app, "--plan", options.plan, "plan.csv", "positions and board views to record");
+  CLI::Option* plan =
+      add_value(app, "--plan", options.plan, "plan.csv", "positions and board views to record");
   add_required(app, "--out", options.request.recording, "DIR",
                "folder of the recording; a recording that was begun is continued");
   add_homing_options(app, options.homing);
@@ -42,6 +50,16 @@ void add_options(CLI::App& app, Options& options) {
       app, "--display", options.display, names_of(kDisplayPolicies),
       "auto: draw a map of what is done and left, and what the camera sees of the board, into "
       "RECORDING/view.png; none");
+  CLI::Option* bar =
+      add_value(app, "--bar", options.bar, "bar.csv",
+                "take pictures of a bar of certified length instead, place by place, into "
+                "DIR/bar_NN.png; nothing moves");
+  bar->excludes(plan);
+  app.add_option("--bar-places", options.bar_places, "how many places of the bar")
+      ->needs(bar)
+      ->check(within(1, 99))
+      ->type_name("N")
+      ->capture_default_str();
   add_choice(app, "--on-bad-reading", options.on_bad_reading, names_of(kBadReadings),
              "what happens to a place without a good tracker reading: it is taken "
              "again up to twice, left out, or the recording stops");
@@ -52,7 +70,28 @@ std::optional<Board> board_of(const Options& options) {
   return parse_board(options.grid, BoardUse::kShape);
 }
 
+Outcome take_bar(const Options& options) {
+  const CellSettings settings = read_cell(options.cell);
+  require_devices(settings);
+  const std::vector<Fiducial> bar = read_bar(options.bar);
+  const VisionCalibration vision = read_vision(settings, false);
+  make_folder(options.request.recording);
+  heed_interrupts();
+  const auto devices = open_cell(settings);
+  Terminal terminal;
+  const auto pictures =
+      record_bar(bar, vision, settings.workspace, options.bar_places, options.request.recording,
+                 devices->camera(), terminal, interrupted);
+  ReportList list;
+  list.line("", "{pictures} pictures of the bar in " + options.request.recording.string(),
+            pictures.size());
+  return told(list);
+}
+
 Outcome run(const Options& options) {
+  if (!options.bar.empty()) return take_bar(options);
+  if (options.plan.empty())
+    throw InputError(Refusal{"--plan or --bar is needed", "name what is to be recorded"});
   RecordRequest request = options.request;
   request.cell = read_cell(options.cell);
   request.plan = read_plan(options.plan, request.cell.tool_orientation);

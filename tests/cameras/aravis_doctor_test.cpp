@@ -97,5 +97,27 @@ TEST_CASE("Frames that lack parts, come late or not at all are told with what he
   CHECK_THAT(judged(silent).remedy, Contains("another socket") && !Contains("firewall"));
 }
 
+TEST_CASE("What a socket, a ring and its interrupts take is judged, with the commands") {
+  CameraPath path = kGigabit;
+  const auto judged = [&] { return judge_receiving(camera_settings(), good_inspection(), path); };
+  CHECK(judged().empty());
+  path.socket_bytes = 212992;  // what Debian gives
+  path.ring = 512;             // 6.3 ms
+  path.ring_most = 4096;
+  path.gathers_us = 3;
+  const auto little = judged();
+  REQUIRE(little.size() == 3);
+  CHECK_THAT(little[0].remedy, Contains("sysctl -w net.core.rmem_max"));
+  CHECK(little[1].verdict == Verdict::kWell);
+  CHECK_THAT(little[2].fault, Contains("up to 42974 times a second"));  // once a packet
+  CHECK_THAT(little[2].remedy, Contains("ethtool -C eth0 rx-usecs 50"));
+  path.ring = 64;
+  CHECK_THAT(judged()[1].remedy, Contains("ethtool -G eth0 rx 4096"));
+  path.gathers_us = 100;
+  CHECK(judged()[2].verdict == Verdict::kWell);
+  path.speed_bit_s.reset();  // the loopback
+  CHECK(judged().empty());
+}
+
 }  // namespace
 }  // namespace planar

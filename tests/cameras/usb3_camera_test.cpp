@@ -1,5 +1,6 @@
 #include "support/usb3_camera.h"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <memory>
@@ -251,6 +252,51 @@ TEST_CASE("A camera that keeps its gamma is refused with what to do") {
   REQUIRE(seen.refusal);
   CHECK_THAT(seen.refusal->fault, Catch::Contains("keeps Gamma at 0.45"));
   CHECK_THAT(seen.refusal->remedy, Catch::Contains("maker's program"));
+}
+
+TEST_CASE("A setting that another program changes is named, and set again") {
+  PluggedCamera plugged;
+  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  see_some_frames(camera);
+  const auto features = camera.features();
+  const auto gamma = std::find(features.begin(), features.end(),
+                               std::pair<std::string, std::string>("Gamma", "1"));
+  CHECK(gamma != features.end());
+  plugged.function.set_processing(0.45F, false);
+  std::string said;
+  REQUIRE(test::in_the_end([&] {
+    said = camera.fault().value_or(said);
+    return said.find("Gamma") != said.npos;
+  }));
+  CHECK_THAT(said, Catch::Contains("Gamma is 0.4") && Catch::Contains("and was 1") &&
+                       Catch::Contains("another program has changed it"));
+  REQUIRE(test::in_the_end([&] { return !camera.fault(); }));
+  CHECK(camera.next_frame().status == FrameStatus::kOk);
+  CHECK(camera.counts().reopened == 1);
+}
+
+TEST_CASE("A strobe is set on its line, and compared with the picture without it") {
+  PluggedCamera plugged;
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.strobe = {"Line1", 0.0, 0.0};
+  const auto judged = [&] {
+    const CameraInspection seen = inspect_camera(settings, 0.2);
+    REQUIRE_FALSE(seen.refusal);
+    return judge_strobe(settings, seen).at(0).verdict;
+  };
+  CHECK(judged() == Finding::Verdict::kDoubtful);  // the light is always on
+  plugged.function.light_by_line(true);
+  CHECK(judged() == Finding::Verdict::kWell);
+  CHECK(plugged.function.line_source() == 1);
+  settings.strobe = {"Line1", 20e-6, 500e-6};
+  CHECK(judged() == Finding::Verdict::kWell);
+  CHECK(plugged.function.line_source() == 2);
+  CHECK(plugged.function.timer_us() == std::pair(20.0F, 500.0F));
+  settings.strobe = {"Line7", 0.0, 0.0};
+  CHECK_THAT(inspect_camera(settings, 0.2).refusal.value().fault,
+             Catch::Contains("the camera refuses Line7 as LineSelector"));
+  settings.strobe.reset();
+  CHECK(judge_strobe(settings, inspect_camera(settings, 0.2)).empty());
 }
 
 }  // namespace

@@ -1,12 +1,21 @@
 #include "planar_servo/hardware/links/linuxcnc_link.h"
 
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <optional>
+#include <random>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "planar_servo/base/core/clock.h"
 #include "support/link_bench.h"
@@ -204,6 +213,127 @@ TEST_CASE("Another client that takes LinuxCNC or moves it is noticed") {
     REQUIRE(all_rest(drives));
     CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("another client"));
     stranger.say("set mdi G90");
+  }
+}
+
+/// Stands between a program and LinuxCNC, and lets through, drops or ends what they say.
+class Wire {
+ public:
+  enum class State { kWhole, kMute, kCut };
+
+  explicit Wire(LinuxcncHost& host) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    REQUIRE(bind(listener_, reinterpret_cast<sockaddr*>(&address), size) == 0);
+    REQUIRE(listen(listener_, 8) == 0);
+    getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+    host.port = ntohs(address.sin_port);
+    thread_ = std::thread([this] { carry(); });
+  }
+  ~Wire() {
+    state = State::kCut;
+    ends_ = true;
+    thread_.join();
+    close(listener_);
+  }
+  Wire(const Wire&) = delete;
+  Wire& operator=(const Wire&) = delete;
+
+  std::atomic<State> state{State::kWhole};
+
+ private:
+  void carry() {
+    std::vector<std::pair<int, int>> ways;  // from, to
+    while (!ends_) {
+      std::vector<pollfd> waiting{{listener_, POLLIN, 0}};
+      for (const auto& way : ways) waiting.push_back({way.first, POLLIN, 0});
+      constexpr int kPoll_ms = 2;
+      poll(waiting.data(), waiting.size(), kPoll_ms);
+      if (state == State::kCut) {
+        for (const auto& way : ways) shutdown(way.first, SHUT_RDWR);
+        continue;
+      }
+      for (std::size_t i = 1; i < waiting.size(); ++i) {
+        char bytes[4096];
+        if ((waiting[i].revents & POLLIN) == 0) continue;
+        const ssize_t count = ::read(ways[i - 1].first, bytes, sizeof bytes);
+        if (count > 0 && state == State::kWhole)
+          (void)!send(ways[i - 1].second, bytes, static_cast<std::size_t>(count), MSG_NOSIGNAL);
+        if (count == 0) shutdown(ways[i - 1].second, SHUT_WR);
+        if (count <= 0) ways[i - 1].first = -1;  // poll() passes over it
+      }
+      if ((waiting[0].revents & POLLIN) == 0) continue;
+      const int near = accept(listener_, nullptr, nullptr), far = socket(AF_INET, SOCK_STREAM, 0);
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      address.sin_port = htons(static_cast<std::uint16_t>(machine().port));
+      connect(far, reinterpret_cast<sockaddr*>(&address), sizeof address);
+      opened_.insert(opened_.end(), {near, far});
+      ways.emplace_back(near, far);
+      ways.emplace_back(far, near);
+    }
+    for (const int end : opened_) close(end);
+  }
+
+  int listener_{socket(AF_INET, SOCK_STREAM, 0)};
+  std::vector<int> opened_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+TEST_CASE(
+    "Whatever strikes LinuxCNC in a move is named, and positions are certain where they hold") {
+  REQUIRE_LINUXCNC();
+  enum Fault { kEstop, kOff, kTaken, kStopped, kCut, kMute, kCount };
+  constexpr const char* kNames[] = {"estop", "off", "taken", "stopped", "cut", "mute"};
+  constexpr const char* kSaid[] = {
+      "emergency stop is pressed", "came to rest at",       "another client",
+      "came to rest at",           "closed the connection", "does not answer"};
+  std::mt19937 random(40);
+  std::uniform_real_distribution<double> after_s(0.05, 1.2);
+  for (int i = 0; i < test::faults_to_inject(kCount); ++i) {
+    const auto fault = static_cast<Fault>(i % kCount);
+    const double strikes_s = after_s(random);
+    INFO(kNames[fault] << " after " << strikes_s << " s");
+    LinuxcncHost host = machine();
+    Wire wire(host);
+    test::Struck struck;
+    {
+      LinkedDrives drives = drives_of(host);
+      make_ready(drives);
+      drives.set_targets({45000, -20000, 10000});
+      wait(drives, strikes_s);
+      {
+        std::optional<Stranger> stranger;
+        if (fault < kCut) stranger.emplace();
+        if (fault == kEstop) stranger->say("set estop on");
+        if (fault == kOff) stranger->say("set machine off");
+        if (fault == kStopped) stranger->say("set abort");
+        if (fault == kCut) wire.state = Wire::State::kCut;
+        if (fault == kMute) wire.state = Wire::State::kMute;
+        struck = test::wait_for_fault(drives);
+      }
+      CHECK(struck.rests);
+      CHECK_THAT(struck.said, Contains(kSaid[fault]));
+      CHECK(drives.status()[0].answers == (fault < kCut));
+      if (fault >= kCut || fault == kEstop || fault == kOff) CHECK_FALSE(struck.certain);
+      if (struck.certain) {
+        SteadyClock().sleep_for_s(0.1);
+        const Pulses there = LinuxcncLink(machine()).read().counts;
+        const Pulses zero = there - Pulses(positions(drives).data());
+        CHECK(zero.cwiseAbs().maxCoeff() <= 45000);  // within the machine's own frame
+      }
+    }
+    // Back to where the next move has room.
+    SteadyClock().sleep_for_s(fault >= kCut ? 2.5 : 0.2);
+    LinkedDrives drives = drives_of(machine());
+    make_ready(drives);
+    const Pulses at = LinuxcncLink(machine()).read().counts;
+    drives.set_targets({-at[0], -at[1], -at[2]});
+    REQUIRE(all_rest(drives));
   }
 }
 

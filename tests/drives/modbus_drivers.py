@@ -2,10 +2,11 @@
 
 modbus_drivers.py EXAMPLES PORT [--make leadshine|oriental] [--low-first] [--at COUNT,COUNT,COUNT] [--addresses A,B,C]
                   [--lose N] [--garble N] [--late N] [--stranger N] [--mute-moving A] [--alarm-moving A]
-                  [--deaf-to-start] [--shafts PIPE]
+                  [--stall-moving A] [--end-moving] [--hang-moving] [--after S] [--deaf-to-start] [--shafts PIPE]
 
-It says "ready" once PORT is there. Of answers each N-th is lost, garbled, 0.3 s late, or another slave's; a driver of
-address A says nothing more, or stops with an alarm, 0.1 s into its first move.
+It says "ready" once PORT is there. Of answers each N-th is lost, garbled, 0.3 s late, or another slave's. S seconds
+(0.1) into its first move a driver of address A says nothing more, stops with an alarm, or stops and says nothing of it,
+or the adapter is gone or says nothing for 2 s. PIPE gets a line of counts whenever a motor has turned.
 """
 import argparse
 import os
@@ -101,8 +102,8 @@ class Driver:
         self.machine.move([position - self.offset, 0, 0], abs(way) / (acceleration * ramp) + ramp, ramp)
         self.moved_s = self.moved_s or time.monotonic()
 
-    def is_under_way(self):
-        return self.moved_s is not None and time.monotonic() > self.moved_s + 0.1
+    def is_under_way(self, after_s):
+        return self.moved_s is not None and time.monotonic() > self.moved_s + after_s
 
 
 class Line:
@@ -120,11 +121,22 @@ class Line:
 
     def spoil(self):
         """Lets drivers fail in mid-move."""
+        options = self.options
         for address, driver in self.drivers.items():
-            if driver.is_under_way() and address == self.options.alarm_moving and not driver.alarm:
+            if not driver.is_under_way(options.after):
+                continue
+            if address == options.alarm_moving:
                 driver.alarm = ALARM
+                options.alarm_moving = None
                 driver.machine.stop()
-                self.options.alarm_moving = None
+            if address == options.stall_moving:
+                options.stall_moving = None
+                driver.machine.stop()
+            if options.end_moving:
+                sys.exit()
+            if options.hang_moving:
+                options.hang_moving = False
+                time.sleep(2.0)
 
     def obey(self, request):
         address = request.unit_id
@@ -134,7 +146,7 @@ class Line:
                     request.execute(driver)
             return
         driver = self.drivers.get(address)
-        if driver is None or (address == self.options.mute_moving and driver.is_under_way()):
+        if driver is None or (address == self.options.mute_moving and driver.is_under_way(self.options.after)):
             return
         answer = request.execute(driver)
         answer.unit_id = address
@@ -183,9 +195,10 @@ parser.add_argument("port")
 parser.add_argument("--make", default="leadshine")
 parser.add_argument("--at", type=numbers, default=[0, 0, 0])
 parser.add_argument("--addresses", type=numbers, default=[1, 2, 3])
-for name in ("lose", "garble", "late", "stranger", "mute-moving", "alarm-moving"):
+for name in ("lose", "garble", "late", "stranger", "mute-moving", "alarm-moving", "stall-moving"):
     parser.add_argument(f"--{name}", type=int)
-parser.add_argument("--low-first", action="store_true")
-parser.add_argument("--deaf-to-start", action="store_true")
+for name in ("low-first", "deaf-to-start", "end-moving", "hang-moving"):
+    parser.add_argument(f"--{name}", action="store_true")
+parser.add_argument("--after", type=float, default=0.1)
 parser.add_argument("--shafts")
 Line(parser.parse_args()).serve()

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdio>
+#include <random>
+#include <sstream>
+#include <utility>
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -152,6 +156,69 @@ TEST_CASE("An alarm in mid-move is named, and switching on again clears it") {
   CHECK(positions(drives) == Targets{0, 0, 0});
 }
 
+/// Returns the motors' counts as the emulated drivers wrote them last.
+Targets last_counts(const std::filesystem::path& shafts) {
+  std::istringstream text(read_file(shafts));
+  Targets counts{};
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream numbers(line.rfind("at ", 0) == 0 ? line.substr(3) : line);
+    for (std::int32_t& count : counts) numbers >> count;
+  }
+  return counts;
+}
+
+TEST_CASE("Whatever strikes drivers on Modbus in a move is named, and the arm rests") {
+  REQUIRE_PYMODBUS();
+  struct Fault {
+    std::vector<std::string> options;
+    const char* said;
+    bool answers;
+  };
+  const std::vector<Fault> faults{
+      {{"--mute-moving", "2"}, "drive 2 (address 2) does not tell its", false},
+      {{"--alarm-moving", "3"}, "drive 3 (address 3) reports alarm 0xe0", true},
+      {{"--stall-moving", "1"}, "where it was sent to 30000, 30000, -30000", true},
+      {{"--end-moving"}, "drive ", false},
+      {{"--hang-moving"}, "no answer within 100 ms, 3 times", false}};
+  std::mt19937 random(40);
+  std::uniform_real_distribution<double> after_s(0.02, 1.3);  // the move takes 1.7 s
+  for (int i = 0; i < test::faults_to_inject(static_cast<int>(faults.size())); ++i) {
+    const Fault& fault = faults[static_cast<std::size_t>(i) % faults.size()];
+    std::vector<std::string> options = fault.options;
+    const test::TemporaryFolder folder;
+    const auto shafts = folder / "shafts";
+    for (const std::string& word : {std::string("--after"), std::to_string(after_s(random)),
+                                    std::string("--shafts"), shafts.string()})
+      options.push_back(word);
+    INFO(fmt::format("{}", fmt::join(options, " ")));
+    const Bus bus(options);
+    LinkedDrives drives = bus.drives();
+    make_ready(drives);
+    drives.set_targets({30000, 30000, -30000});
+    const test::Struck struck = test::wait_for_fault(drives);
+    CHECK(struck.rests);
+    CHECK_THAT(struck.said, Contains(fault.said));
+    CHECK(drives.status()[0].answers == fault.answers);
+    CHECK(struck.certain == fault.answers);
+    // A driver that failed tells the others nothing: the program stops them.
+    if (!fault.answers && fault.options[0] != "--end-moving") {
+      Targets before{};
+      SteadyClock clock;
+      REQUIRE(test::eventually([&] {
+        const Targets seen = last_counts(shafts);
+        clock.sleep_for_s(0.1);
+        return std::exchange(before, seen) == seen && seen == last_counts(shafts);
+      }));
+      CHECK(std::abs(before[0]) < 30000);
+      CHECK(std::abs(before[2]) < 30000);
+    }
+    if (fault.answers) {
+      CHECK(positions(drives) == last_counts(shafts));
+      CHECK_THROWS_AS(drives.set_targets({0, 0, 0}), DriveError);
+    }
+  }
+}
+
 TEST_CASE("Words in the other order are refused before a move of 65,536 counts") {
   REQUIRE_PYMODBUS();
   SECTION("by the positions that the drivers tell") {
@@ -230,9 +297,38 @@ TEST_CASE("A map of registers is read, and each fault of it named") {
   CHECK_THAT(refusal_of("moving: \"2\"", "moving: \"two\""), Contains("number of a bit"));
   CHECK_THAT(refusal_of("1 position speed", "1 place speed"), Contains("'0x6200: 1 place speed"));
   CHECK_THAT(refusal_of("1 position speed", "1 1 speed"), Contains("writes no position"));
+  CHECK_THAT(refusal_of("position speed", "position 1"), Contains("writes no speed"));
+  CHECK_THAT(refusal_of("0x1014 2", "0x1014 1"), Contains("a position needs two"));
+  CHECK_THAT(refusal_of("moving: \"2\"", "moving: \"16\""), Contains("is bit 16 of 16"));
   CHECK_THAT(refusal_of("0x6002: 0x10", "0x16002: 0x10"), Contains("not understood"));
   CHECK_THAT(refusal_of("speed: rpm", "speed: rps"), Contains("counts_per_s"));
+  CHECK_THAT(refusal_of("speed: rpm", "speed: 0 rpm"), Contains("such as 0.01 rpm"));
   CHECK_THAT(refusal_of("stop:", "stopp:"), Contains("stop"));
+}
+
+TEST_CASE("Speeds and ramps are written in the driver's unit, which must fit its registers") {
+  ModbusMap map;
+  map.move = {{0x10, {{RegisterValue::What::kSpeed}, {RegisterValue::What::kAcceleration}}}};
+  CHECK(map.speed_number(1234.7, 10000.0) == 1234);
+  map.speed = {ModbusSpeed::kRpm, 1.0};
+  CHECK(map.speed_number(10000.0, 10000.0) == 60);
+  CHECK(map.speed_number(10.0, 10000.0) == 1);  // nothing slower
+  map.speed.size = 0.01;
+  CHECK(map.speed_number(12350.0, 10000.0) == 7410);
+  CHECK(map.acceleration_number(2500.9, 10000.0) == 2500);
+  map.acceleration = {ModbusAcceleration::kRpmPerS, 10.0};
+  CHECK(map.acceleration_number(100000.0, 10000.0) == 60);
+  map.acceleration = {ModbusAcceleration::kMsPer1000Rpm, 1.0};
+  CHECK(map.acceleration_number(100000.0, 10000.0) == 1667);  // 600 rpm/s
+  CHECK_FALSE(map.misfit({10000.0, 1e5}, 10000.0));
+  const auto fast = map.misfit({2e5, 1e5}, 10000.0);  // 1200 rpm in hundredths
+  REQUIRE(fast);
+  CHECK_THAT(fast->text(),
+             Contains("largest speed is 120000 for the driver") && Contains("write speed/2"));
+  map.acceleration = {ModbusAcceleration::kCounts, 1.0};
+  CHECK_THAT(map.misfit({10000.0, 1e5}, 10000.0).value().text(), Contains("acceleration/2"));
+  map.move[0].values[1].words = 2;
+  CHECK_FALSE(map.misfit({10000.0, 1e5}, 10000.0));
 }
 
 TEST_CASE("Three joints of a cell are three drivers of one make on one line") {
@@ -250,11 +346,14 @@ TEST_CASE("Three joints of a cell are three drivers of one make on one line") {
   CHECK_THROWS_WITH(read_cell(cell_with({driver("1"), driver("1"), driver("3")})),
                     Contains("drives[1] has address 1 as drives[0]"));
   CHECK_THROWS_WITH(read_cell(cell_with({driver("1"), driver("2"), driver("3", "even")})),
-                    Contains("drives[2] has another line or map than drives[0]"));
+                    Contains("drives[2] has another parity than drives[0]"));
   CHECK_THROWS_WITH(read_cell(cell_with({driver("1"), driver("2"), driver("300")})),
                     Contains("address"));
   CHECK(read_cell(cell_with({driver("1"), driver("2"), driver("3")})).drives[2].kind->name() ==
         "modbus");
+  std::filesystem::remove(folder / "map.yaml");
+  CHECK_THROWS_WITH(read_cell(cell_with({driver("1"), driver("2"), driver("3")})),
+                    Contains("there is no map of registers") && Contains("calib/modbus"));
 }
 
 }  // namespace

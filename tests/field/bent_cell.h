@@ -119,6 +119,34 @@ struct BentCell {
     return board;
   }
 
+  /// Returns where a mark on the plane is seen, with the noise of a dot.
+  Eigen::Vector2d seen_mark(const Eigen::Vector2d& place, std::mt19937& random) const {
+    std::normal_distribution<double> noise(0.0, noise_dot);
+    Eigen::Vector2d s = place;
+    for (int step = 0; step < 20; ++step) s = place + field(s);
+    return s + Eigen::Vector2d(noise(random), noise(random));
+  }
+
+  /// Adds a bar of half a metre in eight places; its true length is off by `error`.
+  void add_bar(LaidDots& laid, double error, std::mt19937& random) const {
+    laid.length = 0.5;
+    laid.length_sigma = 5e-6;
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector2d along = rotation2d(kPi * i / 8.0).col(0);
+      const Eigen::Vector2d middle = 0.2 * (i % 3 - 1) * Eigen::Vector2d(-along.y(), along.x());
+      const Eigen::Vector2d half = 0.5 * (laid.length + error) * along;
+      laid.lengths.push_back({{seen_mark(middle - half, random), seen_mark(middle + half, random)},
+                              std::sqrt(2.0) * noise_dot});
+    }
+  }
+
+  /// Adds marks of the base at four places round it.
+  void add_marks(LaidDots& laid, std::mt19937& random) const {
+    for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.4, 0.3), Eigen::Vector2d(-0.4, 0.3),
+                                     Eigen::Vector2d(-0.3, -0.4), Eigen::Vector2d(0.3, -0.45)})
+      laid.marks.push_back({p, seen_mark(p, random), noise_dot});
+  }
+
   /// What the cell's files say of it.
   ArmNominal nominal() const {
     ArmNominal files;

@@ -93,6 +93,50 @@ TEST_CASE("Without a tracker a board and poses give the end point but for the tu
   CHECK(off.colwise().norm().mean() < 6e-6);
 }
 
+TEST_CASE("A bar shows a field's scale as far as its length is certain; marks its turn and shift") {
+  const test::BentCell cell;
+  std::mt19937 random(4);
+  constexpr double kLarge = 1e-4;  // ten times the bar's deviation as a share of its length
+  const Eigen::VectorXd turn = linear_field(turn_of(kLarge)),
+                        scale = linear_field(kLarge * Eigen::Matrix2d::Identity());
+  LaidDots laid;
+  cell.add_bar(laid, 0.0, random);
+  const LayInformation bar = lay_information(laid, kBasis, 1.0);
+  CHECK(sight_of(bar, scale) == Approx(100.0).epsilon(0.05));
+  CHECK(sight_of(bar, turn) < 1e-6);
+  laid.length_sigma = 5e-5;
+  CHECK(sight_of(lay_information(laid, kBasis, 1.0), scale) == Approx(1.0).epsilon(0.05));
+  laid.lengths.clear();
+  cell.add_marks(laid, random);
+  const LayInformation marks = lay_information(laid, kBasis, 1.0);
+  CHECK(sight_of(marks, turn) > 1e3);
+  CHECK(sight_of(marks, scale) > 1e3);
+}
+
+TEST_CASE("Without a tracker and a known pitch, bar and marks give the end point whole") {
+  const test::BentCell cell;
+  constexpr int kPlaces = 200;
+  std::mt19937 random(0);
+  const auto samples = cell.samples(0, 120, random);
+  LaidDots laid = cell.lays(8, kAllRound, 2e-4, random);
+  laid.pitch_known = false;
+  for (BoardLay& lay : laid.lays) lay.p_board *= 1.02 / 0.04;
+  cell.add_bar(laid, 3e-6, random);
+  cell.add_marks(laid, random);
+  const LampFieldFit fit = fit_lamp_field(cell.nominal(), samples, laid);
+  CHECK(fit.fixed_by.scale == FieldSource::kBar);
+  CHECK(fit.fixed_by.datum == FieldSource::kMarks);
+  CHECK(fit.fixed_by.turn == FieldSource::kMarks);
+  CHECK(fit.sources.size() == 4);
+  double sum = 0.0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const PoseSample sample = cell.sample(test::BentCell::random_motors(random), false, random);
+    sum += (compensate(fit.field, sample.lamps_B).tip.p - cell.truth(sample.motors).tip).norm();
+  }
+  CHECK(sum / kPlaces < 8e-6);
+  CHECK(fit.certainty.scale == Approx(1e-5).epsilon(0.5));
+}
+
 TEST_CASE("Lays that are only shifted are refused where no reading helps them") {
   const test::BentCell cell;
   std::mt19937 random(3);

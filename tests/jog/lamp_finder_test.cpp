@@ -169,5 +169,22 @@ TEST_CASE("A whole frame is saved as PNG, and neither another file nor another f
   CHECK_THAT(bench.refused("save frame.jpg"), Contains("end the name in .png"));
 }
 
+TEST_CASE("A lamp's levels tell what is around, what is lit, and what is cut at either end") {
+  cv::Mat image(100, 100, CV_8UC1, cv::Scalar(12));
+  cv::circle(image, {50, 50}, 16, 200, cv::FILLED);
+  const LampLevels good = read_lamp_levels(image);
+  CHECK(good.ambient == 12);
+  CHECK(good.lit == 200);
+  CHECK(good.dark_share == 0.0);
+  CHECK(good.clipped_share == 0.0);
+  CHECK(good.bars == "▇           ▆   ");
+  image(cv::Rect(0, 0, 100, 25)) = 0;
+  image(cv::Rect(35, 35, 30, 15)) = 255;
+  const LampLevels cut = read_lamp_levels(image);
+  CHECK(cut.dark_share == Approx(2500.0 / 9179.0).margin(0.02));
+  CHECK(cut.clipped_share == Approx(0.5).margin(0.15));
+  CHECK_THAT(cut.text(), Contains("ambient 12") && Contains("% of what is around"));
+}
+
 }  // namespace
 }  // namespace planar

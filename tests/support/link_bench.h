@@ -3,6 +3,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -28,6 +29,35 @@ inline bool all_rest(LinkedDrives& drives) {
 inline LinkTargets positions(LinkedDrives& drives) {
   const auto status = drives.status();
   return {status[0].position_pulses, status[1].position_pulses, status[2].position_pulses};
+}
+
+/// Returns how many faults a test injects: as many as LINK_FAULTS says, or `few`.
+inline int faults_to_inject(int few) {
+  const char* const wanted = std::getenv("LINK_FAULTS");
+  return wanted != nullptr ? std::atoi(wanted) : few;
+}
+
+/// What became of an arm that a fault has struck.
+struct Struck {
+  std::string said;    ///< the first fault that was told, or nothing
+  bool rests{false};   ///< as far as it is known
+  bool certain{true};  ///< its positions
+};
+
+/// Waits for the end of a move that something strikes, and for a rest.
+inline Struck wait_for_fault(LinkedDrives& drives) {
+  Struck struck;
+  struck.rests = eventually([&] {
+    const auto status = drives.status();
+    for (const DriveStatus& drive : status)
+      if (struck.said.empty() && !drive.faults.empty()) struck.said = drive.faults.front();
+    return !status[0].moving;
+  });
+  for (const DriveStatus& drive : drives.status()) {
+    struck.certain = struck.certain && drive.position_certain;
+    if (struck.said.empty() && !drive.faults.empty()) struck.said = drive.faults.front();
+  }
+  return struck;
 }
 
 /// Writes the paper's cell with drives of these keys, one text for each joint.

@@ -38,6 +38,24 @@ constexpr int kStreamEndpoint = 0x82;
 
 /// Registers that Aravis' fake camera does not have.
 constexpr guint32 kGamma = 0x800, kReverseX = 0x804;
+constexpr guint32 kLineSource = 0x80c, kTimerDelay = 0x814, kTimerDuration = 0x818;
+
+/// A feature of numbers, or of named values that count from 0, with a register of its own.
+std::string feature_xml(const std::string& name, const std::string& address,
+                        const std::vector<std::string>& words) {
+  std::string entries;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    entries += "<EnumEntry Name=\"" + words[i] + "\" NameSpace=\"Standard\"><Value>" +
+               std::to_string(i) + "</Value></EnumEntry>";
+  const std::string kind = words.empty() ? "Float" : "Enumeration";
+  const std::string reg = words.empty() ? "FloatReg" : "IntReg";
+  return "<" + kind + " Name=\"" + name + "\" NameSpace=\"Standard\">" + entries + "<pValue>" +
+         name + "Register</pValue></" + kind + "><" + reg + " Name=\"" + name +
+         "Register\" NameSpace=\"Custom\"><Address>0x500" + address +
+         "</Address><Length>4</Length><AccessMode>RW</AccessMode><pPort>Device</pPort>" +
+         (words.empty() ? "" : "<Sign>Unsigned</Sign>") + "<Endianess>BigEndian</Endianess></" +
+         reg + ">";
+}
 
 template <typename T>
 T get(const std::uint8_t* bytes) {
@@ -85,7 +103,14 @@ std::string moved_xml(ArvFakeCamera* camera) {
       <AccessMode>RW</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign>
       <Endianess>BigEndian</Endianess></IntReg>
 )";
-  xml.insert(xml.find("<Integer Name=\"BinningHorizontal\""), processing);
+  const std::string strobe = feature_xml("LineSelector", "820", {"Line0", "Line1"}) +
+                             feature_xml("LineMode", "808", {"Input", "Output"}) +
+                             feature_xml("LineSource", "80c", {"Off", "ExposureActive", "Timer0"}) +
+                             feature_xml("TimerSelector", "81c", {"Timer0"}) +
+                             feature_xml("TimerTriggerSource", "810", {"Off", "ExposureStart"}) +
+                             feature_xml("TimerDelay", "814", {}) +
+                             feature_xml("TimerDuration", "818", {});
+  xml.insert(xml.find("<Integer Name=\"BinningHorizontal\""), processing + strobe);
   return xml;
 }
 
@@ -114,7 +139,10 @@ Usb3Camera::Usb3Camera(const std::string& serial, const cv::Size& sensor_px, dou
                        Exposure exposure, bool keeps_gamma)
     : handles_(std::make_unique<Handles>(serial)),
       serial_(serial),
-      exposure_(std::move(exposure)),
+      exposure_([this, exposure = std::move(exposure)](const cv::Rect& region_px, double light) {
+        const cv::Mat picture = exposure(region_px, light);
+        return lit_by_line_ && line_source() == 0 ? cv::Mat(picture / 4.0) : picture;
+      }),
       keeps_gamma_(keeps_gamma),
       xml_(moved_xml(handles_->camera)),
       stream_registers_(kSirmBytes),
@@ -129,6 +157,22 @@ void Usb3Camera::set_processing(float gamma, bool reversed) {
   std::memcpy(&bits, &gamma, sizeof bits);
   arv_fake_camera_write_register(handles_->camera, kGamma, bits);
   arv_fake_camera_write_register(handles_->camera, kReverseX, reversed ? 1 : 0);
+}
+
+std::uint32_t Usb3Camera::line_source() const {
+  guint32 value = 0;
+  arv_fake_camera_read_register(handles_->camera, kLineSource, &value);
+  return value;
+}
+
+std::pair<float, float> Usb3Camera::timer_us() const {
+  float values[2]{};
+  for (const guint32 i : {0U, 1U}) {
+    guint32 bits = 0;
+    arv_fake_camera_read_register(handles_->camera, i == 0 ? kTimerDelay : kTimerDuration, &bits);
+    std::memcpy(&values[i], &bits, sizeof bits);
+  }
+  return {values[0], values[1]};
 }
 
 Usb3Camera::~Usb3Camera() = default;

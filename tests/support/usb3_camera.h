@@ -31,6 +31,12 @@ class Usb3Camera final : public UsbFunction {
   /// What the camera does to its pictures, by its registers only.
   void set_processing(float gamma, bool reversed);
 
+  /// Dims the pictures to a quarter unless the output line `Line1` lights what is seen.
+  void light_by_line(bool by_line) { lit_by_line_ = by_line; }
+  /// The strobe's source and the timer's delay and duration (us), by their registers.
+  std::uint32_t line_source() const;
+  std::pair<float, float> timer_us() const;
+
   /// Makes the next frames end before their trailer (lose_trailers) or in the middle of their
   /// payload (truncate_payloads).
   void lose_trailers(int frames) { trailers_to_lose_ = frames; }
@@ -91,6 +97,7 @@ class Usb3Camera final : public UsbFunction {
   std::atomic<int> trailers_to_lose_{0};
   std::atomic<int> payloads_to_cut_{0};
   std::atomic<int> line_pulses_{0};
+  std::atomic<bool> lit_by_line_{false};
 };
 
 }  // namespace planar::test

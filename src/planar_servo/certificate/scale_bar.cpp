@@ -15,9 +15,7 @@
 namespace planar {
 
 ScaleBar read_scale_bar(const std::filesystem::path& path, double sigma) {
-  ScaleBar bar{read_work_drawing(path), 0.0, sigma};
-  if (bar.marks.size() != 2)
-    throw InputError({fmt::format("has {} marks", bar.marks.size()), "a bar has two", path});
+  ScaleBar bar{read_bar(path), 0.0, sigma};
   bar.length = (bar.marks[1].p_W - bar.marks[0].p_W).norm();
   return bar;
 }

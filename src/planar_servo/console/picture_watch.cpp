@@ -53,6 +53,9 @@ class WatchedCamera final : public FrameSource {
     return fault;
   }
   FrameCounts counts() const override { return camera_.counts(); }
+  std::vector<std::pair<std::string, std::string>> features() const override {
+    return camera_.features();
+  }
   CameraExposure exposure() const override { return camera_.exposure(); }
   void set_exposure(const CameraExposure& exposure) override { camera_.set_exposure(exposure); }
 
@@ -74,6 +77,9 @@ class WatchedDrives final : public DriveGroup {
   void set_limits(const std::array<DriveLimits, 3>& limits) override { drives_.set_limits(limits); }
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override {
     drives_.set_targets(targets_pulses);
+  }
+  void brake_towards(const std::array<std::int32_t, 3>& targets_pulses) override {
+    drives_.brake_towards(targets_pulses);
   }
   void halt() override { drives_.halt(); }
   void forget_positions() override { drives_.forget_positions(); }

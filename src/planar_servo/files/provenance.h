@@ -24,6 +24,8 @@ enum class Role {
   kHealth,
   kArmFound,
   kLays,
+  kBar,         ///< the marks of a bar of certified length
+  kMarks,       ///< those of the base
   kLampLayout,  ///< `lamps` of the cell file, without the method
   kImageSize,   ///< `camera` of the cell file, its size only
   kDatum,       ///< `datum` of the cell file
@@ -34,16 +36,26 @@ enum class Role {
 };
 
 /// All roles with the words that files have for them.
-constexpr Named<Role> kRoles[] = {
-    {Role::kCamera, "camera"},         {Role::kFrames, "frames"},
-    {Role::kLamps, "lamps"},           {Role::kTracker, "tracker"},
-    {Role::kWorkplane, "workplane"},   {Role::kTool, "tool"},
-    {Role::kPairs, "pairs"},           {Role::kErrorMap, "error_map"},
-    {Role::kLampLayout, "cell_lamps"}, {Role::kImageSize, "cell_image_size"},
-    {Role::kDatum, "cell_datum"},      {Role::kHealth, "health"},
-    {Role::kDrawing, "drawing"},       {Role::kWork, "work"},
-    {Role::kToolTip, "tool_tip"},      {Role::kArmFound, "arm_found"},
-    {Role::kArm, "cell_arm"},          {Role::kLays, "lays"}};
+constexpr Named<Role> kRoles[] = {{Role::kCamera, "camera"},
+                                  {Role::kFrames, "frames"},
+                                  {Role::kLamps, "lamps"},
+                                  {Role::kTracker, "tracker"},
+                                  {Role::kWorkplane, "workplane"},
+                                  {Role::kTool, "tool"},
+                                  {Role::kPairs, "pairs"},
+                                  {Role::kErrorMap, "error_map"},
+                                  {Role::kLampLayout, "cell_lamps"},
+                                  {Role::kImageSize, "cell_image_size"},
+                                  {Role::kDatum, "cell_datum"},
+                                  {Role::kHealth, "health"},
+                                  {Role::kDrawing, "drawing"},
+                                  {Role::kWork, "work"},
+                                  {Role::kToolTip, "tool_tip"},
+                                  {Role::kArmFound, "arm_found"},
+                                  {Role::kArm, "cell_arm"},
+                                  {Role::kLays, "lays"},
+                                  {Role::kBar, "bar"},
+                                  {Role::kMarks, "marks"}};
 
 /// Holds one thing that a file was made from.
 struct Origin {

@@ -124,6 +124,13 @@ std::vector<Fiducial> read_work_drawing(const fs::path& path) {
   return marks;
 }
 
+std::vector<Fiducial> read_bar(const std::filesystem::path& path) {
+  std::vector<Fiducial> marks = read_work_drawing(path);
+  if (marks.size() != 2)
+    throw InputError({fmt::format("has {} marks", marks.size()), "a bar has two", path});
+  return marks;
+}
+
 std::string work_text(const LaidWorks& laid, const std::vector<Origin>& origins,
                       const std::string& program) {
   YamlWriter yaml("work", program);

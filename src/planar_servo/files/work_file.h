@@ -19,6 +19,9 @@ namespace planar {
 /// marks, two in one place, a tag without a number.
 std::vector<Fiducial> read_work_drawing(const std::filesystem::path& path);
 
+/// Reads the two marks of a bar, in the same form. Throws InputError for another number of them.
+std::vector<Fiducial> read_bar(const std::filesystem::path& path);
+
 /// Returns the text of work.yaml: the works that were found of one drawing.
 std::string work_text(const LaidWorks& laid, const std::vector<Origin>& origins,
                       const std::string& program);

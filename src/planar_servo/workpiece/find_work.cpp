@@ -440,6 +440,30 @@ std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCal
   return bars;
 }
 
+std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
+                                     const VisionCalibration& vision,
+                                     const std::vector<Fiducial>& marks_B) {
+  constexpr double kNear = 5e-3;  // metres; what a base frame by cell file and poses is off
+  const std::vector<Picture> pictures = pictures_of(frames, vision);
+  const std::vector<MarkCandidate> candidates = candidates_in(pictures.front(), vision, marks_B);
+  std::vector<FoundFiducial> found;
+  for (const Fiducial& mark : marks_B) {
+    Constellation one;
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      if (candidates[i].kind == mark.kind && (candidates[i].p_B - mark.p_W).norm() < kNear)
+        one.candidates.push_back(i);
+    if (one.candidates.size() > 1)
+      throw WorkError({fmt::format("{} of the base could be any of {} marks within {:g} mm of {}",
+                                   mark.id, one.candidates.size(), mm(kNear), place_mm(mark.p_W)),
+                       "cover what looks like it"});
+    if (one.candidates.empty()) continue;
+    const auto [means, marks] = measure_marks(one, candidates, pictures, vision, {mark});
+    found.push_back({mark, means[0].uv_px, marks.p_B.col(0), Eigen::Vector2d::Zero(),
+                     per_axis(marks.covariance()), 0.0});
+  }
+  return found;
+}
+
 WorkMotion look_again(const std::vector<Frame>& frames, const VisionCalibration& vision,
                       const FoundWork& work) {
   const std::vector<Picture> pictures = pictures_of(frames, vision);

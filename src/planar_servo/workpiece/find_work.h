@@ -85,6 +85,13 @@ struct BarSight {
 std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCalibration& vision,
                                const std::vector<Fiducial>& bar);
 
+/// Measures marks whose places in the base frame are known, each near its own, in whole frames of a
+/// scene at rest; those that are not seen are left out. Returns their places as FoundFiducial has
+/// them, without residuals. Throws WorkError where two are seen near one place.
+std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
+                                     const VisionCalibration& vision,
+                                     const std::vector<Fiducial>& marks_B);
+
 /// What a later look at a workpiece shows.
 struct WorkMotion {
   std::vector<std::string> hidden;     ///< marks that are not seen, as under the arm

@@ -69,6 +69,12 @@ class DriveGroup {
   /// have started then.
   virtual void set_targets(const std::array<std::int32_t, 3>& targets_pulses) = 0;
 
+  /// Brakes the motors of a move to rest. The targets lie on their way, as far ahead as their
+  /// greatest acceleration takes; drives that brake by themselves come to rest elsewhere.
+  virtual void brake_towards(const std::array<std::int32_t, 3>& targets_pulses) {
+    set_targets(targets_pulses);
+  }
+
   /// Stops every motor at once, whatever happens to the others. Throws DriveError naming the drives
   /// that could not be told.
   virtual void halt() = 0;

@@ -4,6 +4,8 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace planar {
 
@@ -92,6 +94,10 @@ class FrameSource {
   virtual std::optional<std::string> fault() const = 0;
 
   virtual FrameCounts counts() const = 0;
+
+  /// Returns the settings of the camera on which pictures depend, by its own names; empty where it
+  /// has none.
+  virtual std::vector<std::pair<std::string, std::string>> features() const { return {}; }
 
   virtual CameraExposure exposure() const = 0;
 

@@ -21,8 +21,10 @@
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/lens/workplane.h"
+#include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/plausibility.h"
+#include "planar_servo/work/jog/lamp_finder.h"
 
 namespace planar {
 namespace {
@@ -133,6 +135,22 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
   }
 }
 
+/// Judges how a lamp's picture uses the grey levels.
+Finding judge_levels(const LampLevels& levels, const std::string& lamp) {
+  // A dark side is clipped where the black level is less than the noise's deviation above 0; the
+  // other bounds are those of jogging's `exposure`.
+  constexpr double kMostDark = 0.16, kMostClipped = 0.02;
+  constexpr int kLeastLit = 128;
+  std::string remedy;
+  if (levels.dark_share > kMostDark)
+    remedy = "raise the camera's BlackLevel by the maker's program: the dark side of rims is cut";
+  else if (levels.clipped_share > kMostClipped)
+    remedy = "expose less: camera.exposure_us";
+  else if (levels.lit < kLeastLit)
+    remedy = "expose more: camera.exposure_us";
+  return {{levels.text(), remedy, lamp}, remedy.empty() ? Verdict::kWell : Verdict::kDoubtful};
+}
+
 constexpr Named<Finding::Verdict> kVerdicts[] = {{Finding::Verdict::kWell, "well"},
                                                  {Finding::Verdict::kDoubtful, "doubtful"},
                                                  {Finding::Verdict::kFaulty, "faulty"}};
@@ -186,18 +204,48 @@ std::vector<Finding> question_camera_field(const CellSettings& cell) {
   }
 }
 
+std::vector<Finding> examine_lamps(FrameSource& camera) {
+  camera.set_region({{}, camera.sensor_size_px()});
+  const FrameResult seen = camera.next_frame();
+  if (seen.status != FrameStatus::kOk)
+    return {
+        {{fmt::format("no picture: {}", name(seen.status)), "look at the camera again", "lamps"},
+         Finding::Verdict::kDoubtful}};
+  const auto lamps = sight_lamps(seen.frame, {});
+  if (!lamps)
+    return {{{"no two lamps are in view, whose levels would be shown here", "", "lamps"},
+             Finding::Verdict::kWell}};
+  std::vector<Finding> findings;
+  for (const LampCenter& lamp : lamps->lamps) {
+    const cv::Mat& image = seen.frame.image;
+    const cv::Rect around =
+        window_round(lamp.uv_px, 1.5 * lamp.diameter_px) & cv::Rect({}, image.size());
+    findings.push_back(
+        judge_levels(read_lamp_levels(image(around)),
+                     fmt::format("lamp at ({:.0f}, {:.0f}) px", lamp.uv_px.x(), lamp.uv_px.y())));
+  }
+  return findings;
+}
+
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
   const CellSettings cell = read_cell(cell_file);
   require_devices(cell);
   std::vector<Finding> findings{
-      {{cell_file.string() + " is in order", "", "cell file"}, Finding::Verdict::kWell}};
+      {{cell_file.string() + " is in order", "", "cell file"}, Finding::Finding::Verdict::kWell}};
   for (Finding& finding : question_values(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : examine_files(cell)) findings.push_back(std::move(finding));
   if (is_sound(findings))
     for (Finding& finding : question_camera_field(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : cell.drives[0].kind->examine(cell))
     findings.push_back(std::move(finding));
-  for (Finding& finding : cell.camera.kind->examine(cell)) findings.push_back(std::move(finding));
+  std::vector<Finding> camera = cell.camera.kind->examine(cell);
+  if (is_sound(camera) && !cell.camera.kind->is_virtual() && !cell.camera.kind->refusal()) try {
+      for (Finding& finding : examine_lamps(*cell.camera.kind->open(cell, nullptr)))
+        camera.push_back(std::move(finding));
+    } catch (const WorkError& error) {
+      camera.push_back(faulty("lamps", error.refusal()));
+    }
+  for (Finding& finding : camera) findings.push_back(std::move(finding));
   for (Finding& finding : cell.tracker.kind->examine(cell)) findings.push_back(std::move(finding));
   return findings;
 }

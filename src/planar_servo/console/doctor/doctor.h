@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/hardware/cell/device_kinds.h"
 
@@ -15,6 +16,9 @@ namespace planar {
 /// its drives, its camera and its tracker, each by its kind. It questions values that can hardly be
 /// meant. Throws InputError for a file with faults, and for devices that do not go together.
 std::vector<Finding> examine_cell(const std::filesystem::path& cell_file);
+
+/// Shows how the pictures of two lamps use the grey levels, where they are in view.
+std::vector<Finding> examine_lamps(FrameSource& camera);
 
 /// Lists which program made each calibration file of a cell from what, and why a file is not there
 /// or no longer valid.

@@ -73,6 +73,17 @@ Joints Transmission::joints_from_pulses(const Pulses& pulses) const {
   return joints_from_motors(pulses.cast<double>().cwiseQuotient(K_));
 }
 
+std::array<DriveLimits, 3> Transmission::rated_limits() const {
+  std::array<DriveLimits, 3> limits;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MotorDrive& motor = settings_.drives[i];
+    const double pulses_per_rad = std::abs(K_[static_cast<int>(i)]);
+    limits[i] = {pulses_per_rad * motor.max_speed_rad_s,
+                 pulses_per_rad * motor.max_acceleration_rad_s2};
+  }
+  return limits;
+}
+
 std::optional<std::string> Transmission::limit_violation(const Joints& theta) const {
   const Eigen::Vector3d motors = motors_from_joints(theta);
   std::string violation;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 
 namespace planar {
@@ -78,6 +79,8 @@ class Transmission {
   /// Returns K of the equations, signed, in pulses per radian of motor angle.
   const Eigen::Vector3d& pulses_per_rad() const { return K_; }
   const TransmissionSettings& settings() const { return settings_; }
+  /// Returns the motors' limits of speed and acceleration, in pulses.
+  std::array<DriveLimits, 3> rated_limits() const;
 
  private:
   TransmissionSettings settings_;

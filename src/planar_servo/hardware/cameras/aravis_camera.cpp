@@ -35,6 +35,8 @@ constexpr double kLongestLateness_s = 4.0;  ///< the same of a camera that is sl
 constexpr double kSlack = 2.0;  ///< a frame may take this many times as long as the last
 constexpr double kFirstReopenPause_s = 0.1;  ///< first pause between attempts to open a lost camera
 constexpr double kLongestReopenPause_s = 2.0;
+constexpr double kReadBackPeriod_s =
+    0.1;                              ///< one setting, to see whether another program changed it
 constexpr double kOrderTime_s = 5.0;  ///< allowed to the thread and the camera
 constexpr int kFrameBlocks = 6;       ///< two are being filled, two compared, two are spare
 
@@ -72,6 +74,7 @@ struct AravisCamera::Impl {
   void open() {
     delivers = false;
     link = std::make_unique<AravisLink>(settings, memory);
+    note_features();
     start(mailbox.region());
   }
 
@@ -140,7 +143,16 @@ struct AravisCamera::Impl {
       else
         grab_unasked();
       require_frames();
+      if (!unanswered_s && clock.now_s() > read_back_s) {
+        read_back_s = clock.now_s() + kReadBackPeriod_s;
+        link->require_unchanged();
+      }
     }
+  }
+
+  void note_features() {
+    const std::lock_guard<std::mutex> lock(order_mutex);
+    features = link->features();
   }
 
   void follow_exposure() {
@@ -157,6 +169,7 @@ struct AravisCamera::Impl {
     }
     settings.exposure_s = order->exposure.time_s;
     settings.gain_db = order->exposure.gain_db;
+    note_features();
     order->done.set_value();
   }
 
@@ -266,7 +279,9 @@ struct AravisCamera::Impl {
   std::atomic<double> lateness_s{kLateness_s};  ///< after which a commanded frame counts as lost
   bool slow{false};                             ///< and this was said
   std::optional<double> unanswered_s;  ///< when the trigger was sent whose frame has not come
+  double read_back_s{0.0};             ///< when a setting is read back next
   std::mutex order_mutex;
+  std::vector<std::pair<std::string, std::string>> features;  ///< of the camera
   std::optional<ExposureOrder> exposure_order;
   std::atomic<bool> stop{false};
   std::thread thread;
@@ -301,6 +316,11 @@ std::optional<std::string> AravisCamera::fault() const {
 
 FrameCounts AravisCamera::counts() const {
   return impl_->mailbox.counts();
+}
+
+std::vector<std::pair<std::string, std::string>> AravisCamera::features() const {
+  const std::lock_guard<std::mutex> lock(impl_->order_mutex);
+  return impl_->features;
 }
 
 void AravisCamera::set_exposure(const CameraExposure& exposure) {

@@ -29,6 +29,7 @@ class AravisCamera final : public FrameSource {
   FrameResult following_frame() override;
   std::optional<std::string> fault() const override;
   FrameCounts counts() const override;
+  std::vector<std::pair<std::string, std::string>> features() const override;
   CameraExposure exposure() const override { return exposure_; }
   /// Waits until the camera has taken the exposure. Throws InputError also when the time exceeds
   /// the frame period.

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <optional>
 
 #include "planar_servo/base/core/clock.h"
@@ -19,27 +21,59 @@ namespace planar {
 namespace {
 
 constexpr int kCameraBlocks = 6;  // the number that AravisCamera has
-constexpr double kTestLateness_s = 0.1;
+constexpr double kTestLateness_s = 0.1, kStrobe_s = 0.2;
 
 /// The remedy where a camera answers but refuses.
 constexpr char kCorrectSettings[] =
     "correct the settings of `camera` in the cell file to suit this camera";
 
-void grab(AravisLink& link, const AravisSettings& settings, CameraInspection& inspection) {
+/// Takes frames for a while and counts them. Returns the last whole one.
+cv::Mat grab(AravisLink& link, const AravisSettings& settings, double duration_s,
+             CameraInspection& inspection) {
   SteadyClock clock;
   const double period_s = 1.0 / settings.frame_rate_hz;
   const bool commands = settings.trigger == CameraTrigger::kSoftware;
   const double start_s = clock.now_s();
   double next_s = start_s;
-  while (clock.now_s() < start_s + inspection.duration_s) {
+  cv::Mat last;
+  while (clock.now_s() < start_s + duration_s) {
     if (commands) {
       clock.sleep_for_s(next_s - clock.now_s());
       next_s = clock.now_s() + period_s;
       link.trigger();
     }
     const auto arrival = link.receive(settings.exposure_s + 2.0 * period_s + kTestLateness_s);
-    if (arrival) ++(arrival->complete ? inspection.complete : inspection.incomplete);
+    if (!arrival) continue;
+    ++(arrival->complete ? inspection.complete : inspection.incomplete);
+    if (arrival->complete)
+      last = unpack(pixel_format_named(settings.pixel_format), arrival->data,
+                    arrival->region_px.size());
   }
+  return last;
+}
+
+/// Returns which share of the pixels that are lit (above half the brightest) is no longer so in the
+/// other picture; empty where none is lit.
+std::optional<double> darkened_share(const cv::Mat& lit, const cv::Mat& other) {
+  if (lit.empty() || other.size() != lit.size()) return std::nullopt;
+  double most = 0.0;
+  cv::minMaxLoc(lit, nullptr, &most);
+  const cv::Mat bright = lit > 0.5 * most;
+  const int count = most > 0.0 ? cv::countNonZero(bright) : 0;
+  if (count == 0) return std::nullopt;
+  return static_cast<double>(cv::countNonZero(bright & (other <= 0.5 * most))) / count;
+}
+
+/// Lets the camera expose a while with its strobe off, and compares.
+void try_strobe(AravisLink& link, const AravisSettings& settings, const cv::Mat& lit,
+                CameraInspection& inspection) {
+  constexpr double kFrames = 5.0;
+  CameraInspection without;
+  link.light(false);
+  const double duration_s = std::max(kStrobe_s, kFrames / settings.frame_rate_hz);
+  inspection.strobed_share =
+      darkened_share(lit, grab(link, settings, duration_s, without)).value_or(0.0);
+  link.light(true);
 }
 
 using Verdict = Finding::Verdict;
@@ -53,6 +87,12 @@ constexpr int kEnoughUsbMemory_mb = 64;
 /// Of a GigE packet: headers of IP, UDP and GVSP within its size; frame, preamble and gap of
 /// Ethernet around it, bytes.
 constexpr double kPacketHeaders = 20 + 8 + 8, kPacketFrame = 14 + 4 + 8 + 12;
+/// The kernel takes in packets at least so often while it is busy (its default of
+/// net.core.netdev_budget_usecs).
+constexpr double kKernelPause_s = 2e-3;
+/// Where drivers that weigh processor time against delay stop (InterruptThrottleRate of Intel's
+/// e1000e in its conservative mode).
+constexpr double kMostInterrupts_hz = 20000.0;
 /// Of 5 Gbit/s about 3.2 carry data [USB 3.0 specification].
 constexpr double kUsbShare = 0.64;
 
@@ -89,6 +129,14 @@ constexpr Named<CameraTrigger> kTriggers[] = {{CameraTrigger::kFreeRun, "free_ru
                                               {CameraTrigger::kSoftware, "software"},
                                               {CameraTrigger::kHardware, "hardware"}};
 
+void read_strobe(Fields& fields, CameraStrobe& strobe) {
+  fields.text("line", strobe.line);
+  if (fields.given("delay_us", false))
+    fields.number("delay_us", strobe.delay_s, kMicrosecond, Range::at_least(0.0));
+  if (strobe.delay_s > 0.0 || fields.given("duration_us", false))
+    fields.number("duration_us", strobe.duration_s, kMicrosecond, Range::positive());
+}
+
 struct AravisDetails final : DeviceDetails {
   AravisSettings settings;  ///< but for what every camera has
 };
@@ -106,7 +154,8 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
     inspection.identity = link.identity();
     inspection.made_plain = link.made_plain();
     link.start({cv::Point(), settings.sensor_px});
-    grab(link, settings, inspection);
+    const cv::Mat picture = grab(link, settings, duration_s, inspection);
+    if (settings.strobe) try_strobe(link, settings, picture, inspection);
     inspection.frame_bytes = link.frame_bytes();
     inspection.packet_size = link.packet_size();
     inspection.underruns = link.underruns();
@@ -143,7 +192,8 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
             "pictures"},
            Verdict::kDoubtful});
     const CameraPath known = path.value_or(CameraPath{});
-    for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known)})
+    for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known),
+                          judge_receiving(camera, seen, known), judge_strobe(settings, seen)})
       findings.insert(findings.end(), judged.begin(), judged.end());
     findings.push_back(judge_frames(camera, settings, seen, known));
     return findings;
@@ -185,6 +235,56 @@ std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraI
                         possible_hz),
             "bandwidth"},
            region <= *capacity ? Verdict::kDoubtful : Verdict::kFaulty}};
+}
+
+std::vector<Finding> judge_receiving(const CameraSettings& camera, const CameraInspection& seen,
+                                     const CameraPath& path) {
+  if (seen.packet_size == 0 || !path.speed_bit_s) return {};
+  std::vector<Finding> findings;
+  const auto add = [&](bool well, const std::string& what, const std::string& remedy) {
+    findings.push_back(
+        {{what, well ? "" : remedy, "receiving"}, well ? Verdict::kWell : Verdict::kDoubtful});
+  };
+  if (path.socket_bytes)
+    add(*path.socket_bytes >= static_cast<double>(seen.frame_bytes),
+        fmt::format("a socket holds up to {:.1f} MB; a frame has {:.1f} MB",
+                    *path.socket_bytes / kMegabyte,
+                    static_cast<double>(seen.frame_bytes) / kMegabyte),
+        "sudo sysctl -w net.core.rmem_max=33554432");
+  const double packet_s = 8.0 * (seen.packet_size + kPacketFrame) / *path.speed_bit_s;
+  if (path.ring)
+    add(*path.ring * packet_s >= kKernelPause_s || *path.ring == path.ring_most,
+        fmt::format("the ring of {} holds {} packets, {:.1f} ms of them", path.port, *path.ring,
+                    1e3 * *path.ring * packet_s),
+        fmt::format("sudo ethtool -G {} rx {}", path.port, path.ring_most.value_or(*path.ring)));
+  if (path.gathers_us) {
+    const double packets_hz = static_cast<double>(seen.frame_bytes) * camera.frame_rate_hz /
+                              (seen.packet_size - kPacketHeaders);
+    const double interrupts_hz =
+        *path.gathers_us == 0 ? packets_hz : std::min(packets_hz, 1e6 / *path.gathers_us);
+    add(interrupts_hz <= kMostInterrupts_hz,
+        fmt::format("{} interrupts up to {:.0f} times a second", path.port, interrupts_hz),
+        fmt::format("sudo ethtool -C {} rx-usecs {:.0f}, or larger packets", path.port,
+                    1e6 / kMostInterrupts_hz));
+  }
+  return findings;
+}
+
+std::vector<Finding> judge_strobe(const AravisSettings& settings, const CameraInspection& seen) {
+  if (!seen.strobed_share) return {};
+  constexpr double kMost = 0.5;
+  const std::string& line = settings.strobe->line;
+  if (*seen.strobed_share > kMost)
+    return {{{fmt::format("{:.0f} % of what is lit is dark without {}", 100.0 * *seen.strobed_share,
+                          line),
+              "", "strobe"},
+             Verdict::kWell}};
+  return {{{fmt::format("what is lit stays so without {}: the lamps do not follow it", line),
+            fmt::format("check that {} switches the lamps, that they are in view, and that no "
+                        "other light is brighter",
+                        line),
+            "strobe"},
+           Verdict::kDoubtful}};
 }
 
 Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
@@ -254,6 +354,8 @@ std::shared_ptr<const DeviceDetails> AravisKind::read(Fields& camera) const {
                  "packet_size");
     if (fits) settings.packet_size = static_cast<int>(*bytes);
   }
+  if (camera.given("strobe", true))
+    camera.map("strobe", [&] { read_strobe(camera, settings.strobe.emplace()); });
   return details;
 }
 

@@ -25,7 +25,8 @@ struct CameraInspection {
   double duration_s{0.0};
   int complete{0};
   int incomplete{0};
-  std::uint64_t underruns{0};  ///< frames for which this machine had no memory free
+  std::optional<double> strobed_share;  ///< of the lit pixels, those dark without the strobe
+  std::uint64_t underruns{0};           ///< frames for which this machine had no memory free
 };
 
 /// Opens the camera with all settings, as a run would, and lets it send frames. Throws InputError
@@ -47,6 +48,15 @@ std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPat
 /// No finding where the speed is unknown.
 std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
                                      const CameraPath& path);
+
+/// Judges whether this machine takes in packets as fast as they come: what the socket and the
+/// network card's ring can hold while no program runs, and how often the card interrupts. No
+/// finding for what is not known.
+std::vector<Finding> judge_receiving(const CameraSettings& camera, const CameraInspection& seen,
+                                     const CameraPath& path);
+
+/// Judges whether the strobe lights what is lit; no finding without one.
+std::vector<Finding> judge_strobe(const AravisSettings& settings, const CameraInspection& seen);
 
 /// Judges whether frames came whole and at the rate of the file.
 Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,

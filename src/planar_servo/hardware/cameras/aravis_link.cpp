@@ -82,6 +82,7 @@ struct AravisLink::Impl {
     for (const std::string& change : made_plain) spdlog::debug("the camera's " + change);
     require_identity(camera.get(), settings);
     apply_settings(camera.get(), settings);
+    features = picture_features(camera.get());
     read_raster();
     control_lost = g_signal_connect(arv_camera_get_device(camera.get()), "control-lost",
                                     G_CALLBACK(&Impl::on_control_lost), &lost);
@@ -148,7 +149,7 @@ struct AravisLink::Impl {
       throw WorkError(
           {fmt::format("the camera's frames have {} bytes, but at most {} were expected", payload,
                        memory.bytes()),
-           "switch its chunk data off"});
+           "see which of its settings adds data to its frames"});
     for (int i = 0; i < memory.blocks(); ++i)
       arv_stream_push_buffer(stream.get(), arv_buffer_new(payload, memory.block(i)));
   }
@@ -199,6 +200,8 @@ struct AravisLink::Impl {
   cv::Rect raster_px;  ///< increments of a region's position and size
   GObjectPtr<ArvCamera> camera;
   std::vector<std::string> made_plain;
+  std::vector<CameraFeature> features;
+  std::size_t next_feature{0};  ///< to be read back
   GObjectPtr<ArvStream> stream;
   GObjectPtr<ArvBuffer> last;  ///< the newest complete frame, not yet given back
   gulong control_lost{0};
@@ -240,6 +243,21 @@ cv::Rect AravisLink::move(const cv::Rect& region_px) {
 
 void AravisLink::expose(const CameraExposure& exposure) {
   apply_exposure(impl_->camera.get(), exposure);
+  impl_->features = picture_features(impl_->camera.get());
+}
+
+void AravisLink::light(bool on) {
+  apply_strobe(impl_->camera.get(), impl_->settings.strobe.value(), on);
+}
+
+const std::vector<CameraFeature>& AravisLink::features() const {
+  return impl_->features;
+}
+
+void AravisLink::require_unchanged() {
+  if (impl_->features.empty()) return;
+  impl_->next_feature = (impl_->next_feature + 1) % impl_->features.size();
+  planar::require_unchanged(impl_->camera.get(), impl_->features[impl_->next_feature]);
 }
 
 void AravisLink::trigger() {

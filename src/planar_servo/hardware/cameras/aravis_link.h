@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/base/devices/frame_source.h"
@@ -87,6 +89,9 @@ class AravisLink {
   /// Sets exposure time and gain while the stream continues.
   void expose(const CameraExposure& exposure);
 
+  /// Switches the strobe of the settings on or off while the stream continues.
+  void light(bool on);
+
   /// Starts one exposure by command.
   void trigger();
 
@@ -98,6 +103,12 @@ class AravisLink {
 
   /// Returns maker, model, firmware and serial number, as far as the camera tells them.
   std::string identity() const;
+
+  /// Returns the settings on which pictures depend, as opening or expose() left them.
+  const std::vector<std::pair<std::string, std::string>>& features() const;
+
+  /// Reads one of features() back, each time the next.
+  void require_unchanged();
 
   /// Returns what opening has undone of what the camera did to its pictures; see make_plain().
   const std::vector<std::string>& made_plain() const;

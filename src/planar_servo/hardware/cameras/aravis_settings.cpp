@@ -3,7 +3,11 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <ifaddrs.h>
+#include <linux/ethtool.h>
+#include <linux/sockios.h>
+#include <net/if.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -154,6 +158,32 @@ std::vector<fs::path> folders_in(const fs::path& parent) {
   return folders;
 }
 
+/// Fills in one of the structs that a network card's driver answers by [linux/ethtool.h].
+template <typename Answer>
+bool ask_card(const std::string& interface, Answer& answer) {
+  ifreq request{};
+  interface.copy(request.ifr_name, sizeof(request.ifr_name) - 1);
+  request.ifr_data = reinterpret_cast<char*>(&answer);
+  const int socket_of_any_kind = socket(AF_INET, SOCK_DGRAM, 0);
+  const bool answered =
+      socket_of_any_kind >= 0 && ioctl(socket_of_any_kind, SIOCETHTOOL, &request) == 0;
+  if (socket_of_any_kind >= 0) close(socket_of_any_kind);
+  return answered;
+}
+
+void ask_card(CameraPath& path) {
+  ethtool_ringparam ring{};
+  ring.cmd = ETHTOOL_GRINGPARAM;
+  if (ask_card(path.port, ring) && ring.rx_max_pending > 0) {
+    path.ring = static_cast<int>(ring.rx_pending);
+    path.ring_most = static_cast<int>(ring.rx_max_pending);
+  }
+  ethtool_coalesce gathering{};
+  gathering.cmd = ETHTOOL_GCOALESCE;
+  if (ask_card(path.port, gathering) && gathering.use_adaptive_rx_coalesce == 0)
+    path.gathers_us = static_cast<int>(gathering.rx_coalesce_usecs);
+}
+
 bool is_camera(const fs::path& device) {
   for (const fs::path& part : folders_in(device))
     if (read_value<std::string>(part / "bInterfaceClass") == kVisionClass &&
@@ -191,6 +221,8 @@ CameraPath find_network_path(const std::string& address, const fs::path& sys) {
   path.mtu_bytes = read_value<int>(interface / "mtu");
   const auto speed_mbit = read_value<double>(interface / "speed");
   if (speed_mbit && *speed_mbit > 0.0) path.speed_bit_s = kMegabit * *speed_mbit;
+  path.socket_bytes = read_value<double>("/proc/sys/net/core/rmem_max");
+  ask_card(path);
   return path;
 }
 

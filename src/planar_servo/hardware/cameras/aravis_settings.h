@@ -36,6 +36,13 @@ std::size_t bytes_of(PixelFormat format, std::size_t pixels);
 /// bytes, rows without padding.
 cv::Mat unpack(PixelFormat format, const std::uint8_t* data, cv::Size size);
 
+/// An output of the camera that switches the lamps on while it exposes.
+struct CameraStrobe {
+  std::string line;        ///< by its name in the camera, such as "Line1"
+  double delay_s{0.0};     ///< from the beginning of the exposure
+  double duration_s{0.0};  ///< 0: as long as the exposure
+};
+
 enum class CameraTrigger {
   kFreeRun,   ///< the camera exposes at its frame rate
   kSoftware,  ///< a command starts each exposure
@@ -52,6 +59,7 @@ struct AravisSettings {
   double gain_db{0.0};
   std::string pixel_format{"Mono8"};  ///< one of pixel_format_names()
   CameraTrigger trigger{CameraTrigger::kFreeRun};
+  std::optional<CameraStrobe> strobe{};
   int packet_size{0};  ///< bytes of a GigE packet; 0 for the largest that passes
   double timeout_s{0.5};
 };
@@ -67,7 +75,11 @@ struct CameraPath {
   std::string port;                     ///< "eth0", "/dev/bus/usb/002/003"
   std::optional<int> mtu_bytes{};       ///< of a network interface
   std::optional<double> speed_bit_s{};  ///< unknown for a wireless network
-  bool permitted{true};                 ///< for USB, whether this user may open the device
+  /// Of a network card, as far as it tells: its ring of packets, now and at most, how long it
+  /// gathers packets before it interrupts, and what a socket may hold at most.
+  std::optional<int> ring{}, ring_most{}, gathers_us{};
+  std::optional<double> socket_bytes{};
+  bool permitted{true};  ///< for USB, whether this user may open the device
 };
 
 /// Returns this machine's address from which `address` is reached, without any broadcast. Throws

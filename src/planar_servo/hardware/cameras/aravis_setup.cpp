@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "planar_servo/base/core/clock.h"
@@ -51,6 +53,39 @@ void apply_picture(ArvCamera* camera, const AravisSettings& settings) {
   automatic_off("the camera does not switch its automatic gain off",
                 arv_camera_is_gain_auto_available, arv_camera_set_gain_auto);
   apply_exposure(camera, {settings.exposure_s, settings.gain_db});
+}
+
+/// Sets the first of the features that the camera has to a word of an enumeration or a number.
+template <typename Value>
+void set_first(ArvCamera* camera, std::initializer_list<const char*> features, const Value& value) {
+  ArvDevice* const device = arv_camera_get_device(camera);
+  for (const char* feature : features) {
+    if (arv_device_get_feature(device, feature) == nullptr) continue;
+    ask(fmt::format("the camera refuses {} as {}", value, feature), [&](GError** e) {
+      if constexpr (std::is_same_v<Value, double>)
+        arv_device_set_float_feature_value(device, feature, value, e);
+      else
+        arv_device_set_string_feature_value(device, feature, std::string(value).c_str(), e);
+    });
+    return;
+  }
+  throw WorkError({fmt::format("the camera has no {}, which its strobe needs", *features.begin()),
+                   "leave out camera.strobe, or of it delay_us and duration_us"});
+}
+
+/// Returns the first of the words that a feature can take which begins with `stem`.
+std::string word_of(ArvCamera* camera, const char* feature, const std::string& stem) {
+  guint n = 0;
+  const std::unique_ptr<const char*, void (*)(gpointer)> words(
+      ask(fmt::format("the camera does not list the values of {}", feature),
+          [&](GError** e) {
+            return arv_device_dup_available_enumeration_feature_values_as_strings(
+                arv_camera_get_device(camera), feature, &n, e);
+          }),
+      g_free);
+  for (guint i = 0; i < n; ++i)
+    if (const std::string word = words.get()[i]; word.rfind(stem, 0) == 0) return word;
+  throw WorkError(fmt::format("the camera's {} cannot be {}", feature, stem));
 }
 
 void apply_trigger(ArvCamera* camera, const AravisSettings& settings) {
@@ -119,7 +154,13 @@ constexpr std::pair<const char*, const char*> kPlain[] = {
     {"SharpnessEnable", "false"},  {"SharpeningEnable", "false"}, {"BlackLevelAuto", "Off"},
     {"BalanceWhiteAuto", "Off"},   {"BinningHorizontal", "1"},    {"BinningVertical", "1"},
     {"DecimationHorizontal", "1"}, {"DecimationVertical", "1"},   {"ReverseX", "false"},
-    {"ReverseY", "false"},         {"TestPattern", "Off"},        {"TestImageSelector", "Off"}};
+    {"ReverseY", "false"},         {"TestPattern", "Off"},        {"TestImageSelector", "Off"},
+    {"ChunkModeActive", "false"}};
+
+/// What else pictures depend on, by the names of SFNC and of older cameras.
+constexpr const char* kOfPictures[] = {
+    "PixelFormat", "ExposureAuto", "ExposureTime",  "ExposureTimeAbs", "GainAuto",     "Gain",
+    "GainRaw",     "BlackLevel",   "BlackLevelRaw", "TriggerMode",     "TriggerSource"};
 
 /// Returns a feature's value as text; empty where the camera does not have it, or not now.
 std::optional<std::string> value_of(ArvGcNode* node) {
@@ -163,6 +204,26 @@ std::vector<std::string> make_plain(ArvCamera* camera) {
     changed.push_back(fmt::format("{} was {} and is {}", name, *before, plain));
   }
   return changed;
+}
+
+std::vector<CameraFeature> picture_features(ArvCamera* camera) {
+  std::vector<CameraFeature> features;
+  const auto add = [&](const char* name) {
+    if (const auto value = value_of(arv_device_get_feature(arv_camera_get_device(camera), name)))
+      features.emplace_back(name, *value);
+  };
+  for (const char* name : kOfPictures) add(name);
+  for (const auto& plain : kPlain) add(plain.first);
+  return features;
+}
+
+void require_unchanged(ArvCamera* camera, const CameraFeature& then) {
+  const auto& [name, value] = then;
+  const auto now = value_of(arv_device_get_feature(arv_camera_get_device(camera), name.c_str()));
+  if (now && !same_value(*now, value))
+    throw WorkError(
+        {fmt::format("its {} is {} and was {}: another program has changed it", name, *now, value),
+         "end that program; a camera obeys one at a time"});
 }
 
 ArvPixelFormat arv_format(PixelFormat format) {
@@ -211,7 +272,24 @@ void require_identity(ArvCamera* camera, const AravisSettings& settings) {
 void apply_settings(ArvCamera* camera, const AravisSettings& settings) {
   apply_picture(camera, settings);
   apply_trigger(camera, settings);
+  if (settings.strobe) apply_strobe(camera, *settings.strobe, true);
   if (arv_camera_is_gv_device(camera)) apply_packet_size(camera, settings);
+}
+
+void apply_strobe(ArvCamera* camera, const CameraStrobe& strobe, bool on) {
+  const bool is_timed = strobe.delay_s > 0.0 || strobe.duration_s > 0.0;
+  set_first(camera, {"LineSelector"}, strobe.line);
+  set_first(camera, {"LineMode"}, "Output");
+  std::string source = on ? "ExposureActive" : "Off";
+  if (on && is_timed) {
+    const std::string timer = word_of(camera, "TimerSelector", "Timer");
+    set_first(camera, {"TimerSelector"}, timer);
+    set_first(camera, {"TimerTriggerSource"}, "ExposureStart");
+    set_first(camera, {"TimerDelay", "TimerDelayAbs"}, 1e6 * strobe.delay_s);
+    set_first(camera, {"TimerDuration", "TimerDurationAbs"}, 1e6 * strobe.duration_s);
+    source = word_of(camera, "LineSource", timer);
+  }
+  set_first(camera, {"LineSource"}, source);
 }
 
 void apply_exposure(ArvCamera* camera, const CameraExposure& exposure) {

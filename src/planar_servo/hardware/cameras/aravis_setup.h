@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
@@ -56,8 +57,20 @@ void require_identity(ArvCamera* camera, const AravisSettings& settings);
 /// such as "Gamma was 0.45 and is 1". Throws for a feature that the camera keeps.
 std::vector<std::string> make_plain(ArvCamera* camera);
 
-/// Sets pixel format, exposure, gain, trigger and packet size.
+/// Sets pixel format, exposure, gain, trigger, strobe and packet size.
 void apply_settings(ArvCamera* camera, const AravisSettings& settings);
+
+/// Sets the strobe's line to light while the camera exposes, or never.
+void apply_strobe(ArvCamera* camera, const CameraStrobe& strobe, bool on);
+
+/// A feature by its name in the camera (GenICam's SFNC), and its value as text.
+using CameraFeature = std::pair<std::string, std::string>;
+
+/// Returns those features on which pictures depend, as far as the camera has them.
+std::vector<CameraFeature> picture_features(ArvCamera* camera);
+
+/// Throws when a feature has another value now than it had then.
+void require_unchanged(ArvCamera* camera, const CameraFeature& then);
 
 void apply_exposure(ArvCamera* camera, const CameraExposure& exposure);
 

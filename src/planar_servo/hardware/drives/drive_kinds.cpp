@@ -149,13 +149,11 @@ std::vector<Finding> examine_grbl(const GrblSettings& settings) {
 GrblSettings grbl_settings(const CellSettings& cell) {
   const GrblDetails& first = details_of(cell.drives[0]);
   GrblSettings settings{first.port, first.baud, {}};
-  const Eigen::Vector3d pulses_per_rad = Transmission(cell.transmission).pulses_per_rad();
+  const auto limits = Transmission(cell.transmission).rated_limits();
   for (std::size_t i = 0; i < 3; ++i) {
-    const MotorDrive& motor = cell.transmission.drives[i];
     const GrblDetails& details = details_of(cell.drives[i]);
-    const double scale = std::abs(pulses_per_rad[static_cast<int>(i)]);
-    settings.axes[i] = {details.axis, details.pulses_per_mm, scale * motor.max_speed_rad_s,
-                        scale * motor.max_acceleration_rad_s2, motor.home};
+    settings.axes[i] = {details.axis, details.pulses_per_mm, limits[i].speed_pulses_s,
+                        limits[i].acceleration_pulses_s2, cell.transmission.drives[i].home};
   }
   return settings;
 }

@@ -183,7 +183,8 @@ std::vector<int> SerialLine::bauds() {
 
 bool SerialLine::wait_for(short events, double timeout_s) const {
   pollfd waiting{descriptor_, events, 0};
-  return poll(&waiting, 1, static_cast<int>(std::ceil(timeout_s * 1e3))) > 0;
+  const int found = poll(&waiting, 1, static_cast<int>(std::ceil(timeout_s * 1e3)));
+  return found > 0 || (found < 0 && errno == EINTR);  // a signal: the caller tries again
 }
 
 void SerialLine::write(std::string_view bytes) {

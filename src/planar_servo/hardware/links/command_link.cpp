@@ -2,16 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <sstream>
@@ -26,7 +23,6 @@ namespace {
 constexpr double kGreetingPatience_s = 20.0;
 /// After its input has ended, and again after SIGTERM.
 constexpr double kEndPatience_s = 1.0;
-constexpr std::size_t kLongestAnswer = 1000;
 constexpr char kSeeProtocol[] = "see doc/motion_program.md";
 
 WorkError no_pipe() {
@@ -44,6 +40,7 @@ ChildProgram::ChildProgram(const MotionProgram& program) {
   }
   input_ = input[0];
   output_ = output[0];
+  reader_.emplace(output_);
   try {
     start(program, input[1], output[1]);
   } catch (...) {
@@ -114,7 +111,8 @@ std::string ChildProgram::ending() {
   if (WIFSIGNALED(status_))
     return fmt::format("it was ended by signal {} ({})", WTERMSIG(status_),
                        strsignal(WTERMSIG(status_)));
-  return fmt::format("it has ended with status {}", WEXITSTATUS(status_));
+  return fmt::format("it has ended with status {}; above is what it wrote to standard error",
+                     WEXITSTATUS(status_));
 }
 
 void ChildProgram::send(const std::string& line) {
@@ -124,36 +122,16 @@ void ChildProgram::send(const std::string& line) {
   throw WorkError(sent < 0 && errno == EPIPE ? ending() : "it does not read what it is asked");
 }
 
-bool ChildProgram::hear(double patience_s) {
-  pollfd waiting{output_, POLLIN, 0};
-  if (poll(&waiting, 1, static_cast<int>(std::ceil(std::max(0.0, patience_s) * 1e3))) <= 0)
-    return false;
-  char bytes[512];
-  const ssize_t count = ::read(output_, bytes, sizeof bytes);
-  if (count <= 0) throw WorkError(ending());
-  heard_.append(bytes, static_cast<std::size_t>(count));
-  return true;
-}
-
 std::string ChildProgram::next_line(double patience_s) {
-  using Clock = std::chrono::steady_clock;
-  const auto deadline = Clock::now() + std::chrono::duration<double>(patience_s);
-  for (;;) {
-    if (const auto end = heard_.find('\n'); end != heard_.npos) {
-      std::string line = heard_.substr(0, end);
-      heard_.erase(0, end + 1);
-      if (!line.empty() && line.back() == '\r') line.pop_back();
-      return line;
-    }
-    if (heard_.size() > kLongestAnswer) throw WorkError("its answer never ends");
-    const double left_s = std::chrono::duration<double>(deadline - Clock::now()).count();
-    if (!hear(left_s))
-      throw WorkError(fmt::format("it has not answered within {:.0f} ms", patience_s * 1e3));
-  }
+  if (auto line = reader_->next(patience_s)) return *line;
+  throw WorkError(reader_->ended() ? ending()
+                  : reader_->is_endless()
+                      ? "its answer never ends"
+                      : fmt::format("it has not answered within {:.0f} ms", patience_s * 1e3));
 }
 
 bool ChildProgram::has_said_more() {
-  return !heard_.empty() || hear(0.0);
+  return reader_->has_more();
 }
 
 CommandLink::CommandLink(const MotionProgram& program)

@@ -3,9 +3,11 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/io/line_reader.h"
 #include "planar_servo/hardware/links/machine_link.h"
 
 namespace planar {
@@ -37,16 +39,14 @@ class ChildProgram {
 
  private:
   void start(const MotionProgram& program, int input, int output);
-  /// Takes what comes within this time; returns false when nothing does.
-  bool hear(double patience_s);
   bool ends_within(double patience_s);
   /// Says how the program ended, once it has closed its output.
   std::string ending();
 
   pid_t process_{-1};
   int status_{0};
-  int input_{-1}, output_{-1};  ///< ends of its standard input and output
-  std::string heard_;
+  int input_{-1}, output_{-1};        ///< ends of its standard input and output
+  std::optional<LineReader> reader_;  ///< of its standard output
 };
 
 /// Speaks the lines of doc/motion_program.md with a program of the user's own: each request begins

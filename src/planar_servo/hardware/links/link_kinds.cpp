@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <tuple>
+#include <initializer_list>
+#include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
@@ -22,16 +24,28 @@ namespace {
 constexpr const char* kDrives = "drives";
 constexpr double kLeastAnswer_ms = 20.0, kMostAnswer_ms = 2000.0;
 
-/// Returns the limits of a cell's motors, in pulses.
 std::array<DriveLimits, 3> limits_of(const CellSettings& cell) {
-  const Eigen::Vector3d pulses_per_rad = Transmission(cell.transmission).pulses_per_rad();
-  std::array<DriveLimits, 3> limits;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const MotorDrive& motor = cell.transmission.drives[i];
-    const double scale = std::abs(pulses_per_rad[static_cast<int>(i)]);
-    limits[i] = {scale * motor.max_speed_rad_s, scale * motor.max_acceleration_rad_s2};
-  }
-  return limits;
+  return Transmission(cell.transmission).rated_limits();
+}
+
+/// Checks that two joints say the same of the machine that moves them; each key comes with whether
+/// they do.
+void check_alike(Fields& drive, std::size_t joint, std::size_t other,
+                 std::initializer_list<std::pair<const char*, bool>> keys, const char* rule) {
+  for (const auto& [key, is_alike] : keys)
+    drive.check(is_alike,
+                {fmt::format("drives[{}] has another {} than drives[{}]", joint, key, other), rule},
+                key);
+}
+
+/// Returns how many counts beside its target a motor may rest that tells where it is: closed loops
+/// report that they are there within about a degree of the motor.
+int in_position_counts(const CellSettings& cell) {
+  constexpr double kPerTurn = 1.0 / 360.0;
+  double least = cell.transmission.drives[0].pulses_per_motor_turn;
+  for (const MotorDrive& motor : cell.transmission.drives)
+    least = std::min(least, motor.pulses_per_motor_turn);
+  return static_cast<int>(std::ceil(kPerTurn * least));
 }
 
 struct CommandDetails final : DeviceDetails {
@@ -43,7 +57,7 @@ const MotionProgram& program_of(const CellSettings& cell, std::size_t joint) {
 }
 
 std::string name_of(const MotionProgram& program) {
-  return fmt::format("the program {}", program.words.front());
+  return fmt::format("the program {}", fmt::join(program.words, " "));
 }
 
 }  // namespace
@@ -71,18 +85,16 @@ void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) con
   list_home(drive, cell.transmission.drives[joint]);
   for (std::size_t i = 0; i < joint; ++i)
     if (cell.drives[i].kind == this)
-      drive.check(program_of(cell, i).words == program.words,
-                  {fmt::format("drives[{}] has another program than drives[{}]", joint, i),
-                   "one program moves the three joints"},
-                  "program");
+      check_alike(drive, joint, i, {{"program", program_of(cell, i).words == program.words}},
+                  "one program moves the three joints");
 }
 
 std::shared_ptr<DriveGroup> CommandKind::open(const CellSettings& cell,
                                               const std::shared_ptr<VirtualCell>& /*world*/) const {
   const MotionProgram& program = program_of(cell, 0);
-  return std::make_shared<LinkedDrives>(name_of(program), limits_of(cell), [program] {
-    return std::make_unique<CommandLink>(program);
-  });
+  return std::make_shared<LinkedDrives>(
+      name_of(program), limits_of(cell),
+      [program] { return std::make_unique<CommandLink>(program); }, in_position_counts(cell));
 }
 
 std::vector<Finding> CommandKind::examine(const CellSettings& cell) const {
@@ -111,7 +123,7 @@ constexpr Named<char> kParities[] = {{'N', "none"}, {'E', "even"}, {'O', "odd"}}
 struct ModbusDetails final : DeviceDetails {
   ModbusLine line;
   std::string registers;  ///< the map's file, beside the cell's
-  int address{1};
+  int address{0};         ///< 0 while it is not read
 };
 
 const ModbusDetails& modbus_of(const CellSettings& cell, std::size_t joint) {
@@ -122,30 +134,49 @@ const ModbusDetails& modbus_of(const CellSettings& cell, std::size_t joint) {
 void check_line(Fields& drive, const CellSettings& cell, std::size_t joint, std::size_t other) {
   const ModbusDetails& one = modbus_of(cell, joint);
   const ModbusDetails& first = modbus_of(cell, other);
-  const auto line = [](const ModbusDetails& details) {
-    return std::tie(details.line.port, details.line.baud, details.line.parity,
-                    details.line.stop_bits, details.line.answer_s, details.registers);
-  };
-  drive.check(line(one) == line(first),
-              {fmt::format("drives[{}] has another line or map than drives[{}]", joint, other),
-               "the three drivers are of one make, on one line"});
-  drive.check(one.address != first.address,
+  check_alike(drive, joint, other,
+              {{"port", one.line.port == first.line.port},
+               {"baud", one.line.baud == first.line.baud},
+               {"parity", one.line.parity == first.line.parity},
+               {"stop_bits", one.line.stop_bits == first.line.stop_bits},
+               {"answer_ms", one.line.answer_s == first.line.answer_s},
+               {"registers", one.registers == first.registers}},
+              "the three drivers are of one make, on one line");
+  drive.check(one.address == 0 || one.address != first.address,
               {fmt::format("drives[{}] has address {} as drives[{}]", joint, one.address, other),
                "set another one at the driver"},
               "address");
 }
 
 /// Returns the map's file: beside the cell file, or else of those that came with the programs,
-/// installed or in the checkout.
+/// installed or in the checkout. Throws InputError naming where it is not.
 std::filesystem::path map_file(const CellSettings& cell, const std::string& name) {
   namespace fs = std::filesystem;
-  fs::path beside = cell.file.parent_path() / name;
+  const fs::path beside = cell.file.parent_path() / name;
+  if (fs::exists(beside)) return beside;
   std::error_code unknown;
-  fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
-  for (; !fs::exists(beside) && folder.has_relative_path(); folder = folder.parent_path())
+  const fs::path programs = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  for (fs::path folder = programs; folder.has_relative_path(); folder = folder.parent_path())
     for (const char* place : {"share/planar-servo/calib/modbus", "calib/modbus"})
       if (fs::exists(folder / place / name)) return folder / place / name;
-  return beside;
+  throw InputError(
+      {fmt::format("there is no map of registers {}, nor one of this name in calib/modbus where "
+                   "the programs of {} were installed or built",
+                   beside.string(), programs.string()),
+       "write it by doc/modbus.md, or name it with its folder"});
+}
+
+/// Checks that a map can do what a joint of the cell needs.
+void require_map(const CellSettings& cell, std::size_t joint, const ModbusMap& map) {
+  const MotorDrive& motor = cell.transmission.drives[joint];
+  if (const auto why = map.misfit(limits_of(cell)[joint], motor.pulses_per_motor_turn))
+    throw InputError({fmt::format("drives[{}]: {}", joint, why->fault), why->remedy});
+  const bool is_forward = motor.home == HomeReference::kForwardSwitch;
+  if (is_switch(motor.home) && (is_forward ? map.home_forward : map.home_reverse).empty())
+    throw InputError(
+        {fmt::format("drives[{}]: the map {} has no {}", joint, map.name,
+                     is_forward ? "home_forward" : "home_reverse"),
+         "add it, if the driver searches switches, or name home: {reference: taught} or sight"});
 }
 
 ModbusLine line_of(const CellSettings& cell) {
@@ -196,14 +227,16 @@ void ModbusKind::read(Fields& drive, CellSettings& cell, std::size_t joint) cons
 void ModbusKind::complete(CellSettings& cell, std::size_t joint) const {
   auto details = std::make_shared<ModbusDetails>(modbus_of(cell, joint));
   details->line.map = read_modbus_map(map_file(cell, details->registers));
+  require_map(cell, joint, details->line.map);
   cell.drives[joint].details = details;
 }
 
 std::shared_ptr<DriveGroup> ModbusKind::open(const CellSettings& cell,
                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
   const ModbusLine line = line_of(cell);
-  return std::make_shared<LinkedDrives>(name_of(line), limits_of(cell),
-                                        [line] { return std::make_unique<ModbusLink>(line); });
+  return std::make_shared<LinkedDrives>(
+      name_of(line), limits_of(cell), [line] { return std::make_unique<ModbusLink>(line); },
+      in_position_counts(cell));
 }
 
 std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
@@ -221,10 +254,11 @@ std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
                             name_of(line), errors.telegrams, errors.garbled, errors.unanswered),
                 "look at the line's resistors at both ends, its shield and ground", kDrives},
                Finding::Verdict::kDoubtful}};
-    return {
-        {{fmt::format("{}: all three answer, {}", name_of(line), state.on ? "switched on" : "off"),
-          "", kDrives},
-         Finding::Verdict::kWell}};
+    return {{{fmt::format("{}: all three answer each of {} telegrams, {}; at {} counts",
+                          name_of(line), errors.telegrams, state.on ? "switched on" : "off",
+                          fmt::join(state.counts, ", ")),
+              "", kDrives},
+             Finding::Verdict::kWell}};
   } catch (const WorkError& error) {
     return {faulty(kDrives, error.refusal(), "see doc/modbus.md")};
   }
@@ -288,13 +322,12 @@ void LinuxcncKind::read(Fields& drive, CellSettings& cell, std::size_t joint) co
   for (std::size_t i = 0; i < joint; ++i) {
     if (cell.drives[i].kind != this) continue;
     const LinuxcncDetails& other = linuxcnc_of(cell, i);
-    const auto place = [](const LinuxcncHost& of) {
-      return std::tie(of.host, of.port, of.password, of.enable_password);
-    };
-    drive.check(
-        place(other.host) == place(host),
-        {fmt::format("drives[{}] has another host, port or password than drives[{}]", joint, i),
-         "the three joints are those of one machine"});
+    check_alike(drive, joint, i,
+                {{"host", other.host.host == host.host},
+                 {"port", other.host.port == host.port},
+                 {"password", other.host.password == host.password},
+                 {"enable_password", other.host.enable_password == host.enable_password}},
+                "the three joints are those of one machine");
     drive.check(
         other.joint.axis != details->joint.axis && other.joint.number != details->joint.number,
         {fmt::format("drives[{}] has the axis or joint of drives[{}]", joint, i),

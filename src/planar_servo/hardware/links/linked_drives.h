@@ -33,7 +33,8 @@ class LinkedDrives final : public DriveGroup {
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
   /// A machine that moves is braked to rest first.
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
-  /// Brakes to rest and waits for it; the positions stay certain.
+  /// These brake to rest and wait for it; the positions stay certain.
+  void brake_towards(const std::array<std::int32_t, 3>& /*targets_pulses*/) override { halt(); }
   void halt() override;
   std::array<DriveStatus, 3> status() override;
   void start_homing(int joint, HomeDirection direction) override;

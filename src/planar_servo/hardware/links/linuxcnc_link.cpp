@@ -125,6 +125,7 @@ RshConnection::RshConnection(const LinuxcncHost& host) {
   const bool connected = connect(socket_, found->ai_addr, found->ai_addrlen) == 0;
   freeaddrinfo(found);
   if (!connected) fail(std::strerror(errno), kStart);
+  reader_.emplace(socket_);
   const int yes = 1;
   setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   try {
@@ -154,25 +155,10 @@ void RshConnection::send(const std::string& line) {
 }
 
 std::optional<std::string> RshConnection::hear(double patience_s) {
-  using Clock = std::chrono::steady_clock;
-  const auto until = Clock::now() + std::chrono::duration<double>(patience_s);
-  for (;;) {
-    heard_.erase(0, heard_.find_first_not_of("\r\n"));
-    if (const auto end = heard_.find_first_of("\r\n"); end != heard_.npos) {
-      const std::string line = heard_.substr(0, end);
-      heard_.erase(0, end);
-      return line;
-    }
-    const double left_s = std::chrono::duration<double>(until - Clock::now()).count();
-    pollfd waiting{socket_, POLLIN, 0};
-    if (poll(&waiting, 1, static_cast<int>(std::ceil(std::max(0.0, left_s) * 1e3))) <= 0)
-      return std::nullopt;
-    char bytes[1024];
-    const ssize_t count = recv(socket_, bytes, sizeof bytes, 0);
-    if (count <= 0)
-      throw WorkError(Refusal{"LinuxCNC has closed the connection", "start it again"});
-    heard_.append(bytes, static_cast<std::size_t>(count));
-  }
+  auto line = reader_->next(patience_s);
+  if (reader_->ended() && !line)
+    throw WorkError(Refusal{"LinuxCNC has closed the connection", "start it again"});
+  return line;
 }
 
 std::string RshConnection::ask(const std::string& line) {
@@ -232,8 +218,10 @@ DeadMansHandle::DeadMansHandle(const RshConnection& stopper, const std::string& 
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw WorkError(fmt::format("no pipe can be opened: {}", std::strerror(errno)));
   process_ = fork();
-  if (process_ < 0)
+  if (process_ < 0) {
+    for (const int end : ends) close(end);
     throw WorkError(fmt::format("no process can be made: {}", std::strerror(errno)));
+  }
   if (process_ > 0) {
     close(ends[1]);
     line_ = ends[0];

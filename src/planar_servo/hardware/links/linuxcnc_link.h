@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/io/line_reader.h"
 #include "planar_servo/hardware/links/machine_link.h"
 
 namespace planar {
@@ -54,7 +55,7 @@ class RshConnection {
 
  private:
   int socket_{-1};
-  std::string heard_;
+  std::optional<LineReader> reader_;
 };
 
 /// A process that has LinuxCNC brake when this one dies, or hangs while the machine moves. Without

@@ -20,7 +20,6 @@ constexpr int kTries = 3;
 /// A driver that was started says that it moves by then.
 constexpr std::chrono::milliseconds kBeginning{100};
 constexpr long kWord = 0x10000;
-constexpr double kRpmPerTurnPerS = 60.0;
 
 long exchanged(long value) {
   const auto bits = static_cast<std::uint32_t>(value);
@@ -73,6 +72,7 @@ ModbusLink::ModbusLink(const ModbusLine& line) : line_(line) {
 }
 
 ModbusLink::~ModbusLink() {
+  if (target_ || homing_) stop_all_that_hear();
   if (errors_.garbled + errors_.unanswered > 0)
     spdlog::warn(fmt::format("{}: of {} telegrams {} were garbled and {} not answered", line_.port,
                              errors_.telegrams, errors_.garbled, errors_.unanswered));
@@ -167,6 +167,23 @@ void ModbusLink::broadcast(const RegisterWrite& write) {
   std::this_thread::sleep_for(kPause);
 }
 
+/// Where one driver has failed, the others stop; nobody waits for its answer.
+void ModbusLink::stop_all_that_hear() {
+  try {
+    for (const RegisterWrite& write : line_.map.stop) {
+      if (line_.map.start) broadcast(write);
+      for (std::size_t i = 0; i < 3 && !line_.map.start; ++i) {
+        const std::vector<std::uint16_t> words = words_of(write, {});
+        modbus_set_slave(context_.get(), line_.addresses[i]);
+        modbus_write_registers(context_.get(), write.address, static_cast<int>(words.size()),
+                               words.data());
+      }
+    }
+  } catch (const WorkError&) {
+    // The line itself is gone.
+  }
+}
+
 void ModbusLink::switch_on() {
   for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.switch_on, {}, "switch on");
 }
@@ -176,19 +193,9 @@ ModbusLink::Move ModbusLink::move_of(std::size_t motor, long way, long target,
   Move move{target, 1, 1};
   if (way == 0) return move;
   const double speed = std::abs(static_cast<double>(way)) / (time.duration_s - time.ramp_s);
-  const double turns_s = speed / line_.counts_per_turn[motor];
-  const bool in_rpm = line_.map.speed == ModbusSpeed::kRpm;
-  // Not faster than the limits, but for drivers that know nothing below their unit.
-  move.speed =
-      std::max(1L, static_cast<long>(std::floor(in_rpm ? kRpmPerTurnPerS * turns_s : speed)));
-  const double acceleration = speed / time.ramp_s;
-  constexpr double kMsPer1000Rpm = 1e3 * 1000.0 / kRpmPerTurnPerS;
-  move.acceleration =
-      line_.map.acceleration == ModbusAcceleration::kCounts
-          ? std::max(1L, static_cast<long>(std::floor(acceleration)))
-          : std::clamp(static_cast<long>(
-                           std::ceil(kMsPer1000Rpm * line_.counts_per_turn[motor] / acceleration)),
-                       1L, kWord - 1);
+  const double counts_per_turn = line_.counts_per_turn[motor];
+  move.speed = line_.map.speed_number(speed, counts_per_turn);
+  move.acceleration = line_.map.acceleration_number(speed / time.ramp_s, counts_per_turn);
   return move;
 }
 
@@ -270,17 +277,17 @@ void ModbusLink::check_word_order(const Pulses& counts) {
 /// A driver at 0 cannot show the order of its words: 1 would be 65,536. So one motor makes one
 /// count, as slowly as it can, and is stopped where it goes elsewhere.
 void ModbusLink::prove_word_order(const Pulses& toward) {
-  // In turns per minute, or so few counts that even 65,536 times as many move it little within a
-  // look.
-  constexpr long kSlow_ms = 1000, kSlow_counts = 10;
+  // One turn per minute, or so few counts that even 65,536 times as many move it little within a
+  // look; and a gentle ramp.
+  constexpr double kSlow_counts_s = 10.0, kGentle_counts_s2 = 10.0;
   constexpr std::chrono::milliseconds kPatience{1000};
   const Pulses rest = here_;
   std::array<Move, 3> moves{};
-  const bool in_counts = line_.map.acceleration == ModbusAcceleration::kCounts;
-  for (std::size_t i = 0; i < 3; ++i)
-    moves[i] = {rest[static_cast<int>(i)],
-                line_.map.speed == ModbusSpeed::kCounts ? kSlow_counts : 1L,
-                in_counts ? kSlow_counts : kSlow_ms};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double turn = line_.counts_per_turn[i];
+    moves[i] = {rest[static_cast<int>(i)], line_.map.speed_number(kSlow_counts_s, turn),
+                line_.map.acceleration_number(kGentle_counts_s2, turn)};
+  }
   int motor = 0;
   (toward - rest).cwiseAbs().maxCoeff(&motor);
   const int count = rest[motor] + (toward[motor] >= rest[motor] ? 1 : -1);

@@ -39,6 +39,7 @@ class ModbusLink final : public MachineLink {
   /// Opens the line and asks every driver where it stands. Throws WorkError with the remedy when
   /// one does not answer, or where its words seem exchanged.
   explicit ModbusLink(const ModbusLine& line);
+  /// Tells every driver to stop, as far as it hears, where one may be moving.
   ~ModbusLink() override;
   ModbusLink(const ModbusLink&) = delete;
   ModbusLink& operator=(const ModbusLink&) = delete;
@@ -69,6 +70,7 @@ class ModbusLink final : public MachineLink {
              const char* what);
   std::vector<std::uint16_t> words_of(const RegisterWrite& write, const Move& move) const;
   void broadcast(const RegisterWrite& write);
+  void stop_all_that_hear();
   Move move_of(std::size_t motor, long way, long target, const MoveTime& time) const;
   void start(const std::array<Move, 3>& moves);
   void check_word_order(const Pulses& counts);

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 
+#include "planar_servo/base/io/csv_fields.h"
 #include "planar_servo/base/io/yaml_reader.h"
 
 namespace planar {
@@ -16,10 +19,13 @@ constexpr Named<ModbusSpeed> kSpeeds[] = {{ModbusSpeed::kCounts, "counts_per_s"}
                                           {ModbusSpeed::kRpm, "rpm"}};
 constexpr Named<ModbusAcceleration> kAccelerations[] = {
     {ModbusAcceleration::kCounts, "counts_per_s2"},
+    {ModbusAcceleration::kRpmPerS, "rpm_per_s"},
     {ModbusAcceleration::kMsPer1000Rpm, "ms_per_1000_rpm"}};
 constexpr Named<What> kValues[] = {
     {What::kPosition, "position"}, {What::kSpeed, "speed"}, {What::kAcceleration, "acceleration"}};
 constexpr long kHighestWord = 0xffff;
+constexpr double kRpmPerTurnPerS = 60.0;
+constexpr double kRounding = 1.0 + 1e-9;  ///< of units that are no powers of two
 
 /// Returns a number as C writes it: 18, 0x12. Empty for other texts and beyond 16 bits.
 std::optional<long> word_of(const std::string& text) {
@@ -84,7 +90,7 @@ std::optional<StatusBit> bit_of(const std::string& text) {
 /// Reads a text that `parse` understands.
 template <typename Value, typename Parse>
 void read_text(YamlReader& file, const char* key, Value& value, const Parse& parse,
-               const char* rule) {
+               const std::string& rule) {
   std::string text;
   file.text(key, text);
   if (text.empty()) return;
@@ -98,7 +104,25 @@ constexpr char kWriteRule[] =
     "/2 "
     "where it fills two registers";
 constexpr char kReadRule[] = "write REGISTER WORDS, such as 0x1014 2";
-constexpr char kBitRule[] = "write the number of a bit, or not N, in quotes";
+constexpr char kBitRule[] = "write the number of a bit of the status, or not N, in quotes";
+
+/// Reads how much one number of a driver is: a unit, or a size and a unit, such as "0.01 rpm".
+template <typename Unit, std::size_t kSize>
+void read_rate(YamlReader& file, const char* key, ModbusRate<Unit>& rate,
+               const Named<Unit> (&units)[kSize]) {
+  read_text(
+      file, key, rate,
+      [&](const std::string& text) -> std::optional<ModbusRate<Unit>> {
+        const std::size_t space = text.find(' ');
+        const auto unit = value_named(units, text.substr(space == text.npos ? 0 : space + 1));
+        const auto size = space == text.npos ? 1.0 : finite_number(text.substr(0, space));
+        if (!unit || !size || *size <= 0.0) return std::nullopt;
+        return ModbusRate<Unit>{*unit, *size};
+      },
+      fmt::format("write one of {}, with the size of the driver's unit before it where that is "
+                  "not 1, such as 0.01 rpm",
+                  fmt::join(names_of(units), ", ")));
+}
 
 void read_writes(YamlReader& file, const char* key, std::vector<RegisterWrite>& writes,
                  bool is_needed) {
@@ -112,14 +136,66 @@ void read_writes(YamlReader& file, const char* key, std::vector<RegisterWrite>& 
   }
 }
 
-bool has_position(const std::vector<RegisterWrite>& writes) {
-  for (const RegisterWrite& write : writes)
+/// Returns the values of this kind among what a move writes.
+std::vector<RegisterValue> values_in(const ModbusMap& map, What what) {
+  std::vector<RegisterValue> found;
+  for (const RegisterWrite& write : map.move)
     for (const RegisterValue& value : write.values)
-      if (value.what == What::kPosition) return true;
-  return false;
+      if (value.what == what) found.push_back(value);
+  return found;
+}
+
+/// Checks what one key cannot tell.
+void check_whole(YamlReader& file, const ModbusMap& map) {
+  for (const What what : {What::kPosition, What::kSpeed})
+    file.check(!values_in(map, what).empty() || map.move.empty(),
+               {fmt::format("writes no {}", name_in(kValues, what)), "name it among its values"},
+               "move");
+  file.check(map.position.words == 2 || map.position.words == 0,
+             {"is one register", "a position needs two: REGISTER 2"}, "position");
+  const int bits = 16 * map.status.words;
+  const auto check_bit = [&](const StatusBit& bit, const char* key) {
+    file.check(bit.bit < bits, {fmt::format("is bit {} of {}", bit.bit, bits), kBitRule}, key);
+  };
+  check_bit(map.moving, "moving");
+  if (map.on) check_bit(*map.on, "on");
+  if (map.fault) check_bit(*map.fault, "fault");
 }
 
 }  // namespace
+
+long ModbusMap::speed_number(double counts_s, double counts_per_turn) const {
+  const double in_units =
+      speed.unit == ModbusSpeed::kRpm ? kRpmPerTurnPerS * counts_s / counts_per_turn : counts_s;
+  return std::max(1L, static_cast<long>(std::floor(kRounding * in_units / speed.size)));
+}
+
+long ModbusMap::acceleration_number(double counts_s2, double counts_per_turn) const {
+  const double rpm_per_s = kRpmPerTurnPerS * counts_s2 / counts_per_turn;
+  if (acceleration.unit == ModbusAcceleration::kMsPer1000Rpm)
+    return std::clamp(static_cast<long>(std::ceil(1e6 / rpm_per_s / acceleration.size)), 1L,
+                      kHighestWord);
+  const double in_units = acceleration.unit == ModbusAcceleration::kRpmPerS ? rpm_per_s : counts_s2;
+  return std::max(1L, static_cast<long>(std::floor(kRounding * in_units / acceleration.size)));
+}
+
+std::optional<Refusal> ModbusMap::misfit(const DriveLimits& limits, double counts_per_turn) const {
+  const auto too_large = [&](What what, long number) -> std::optional<Refusal> {
+    for (const RegisterValue& value : values_in(*this, what))
+      if (value.words == 1 && number > kHighestWord)
+        return Refusal{
+            fmt::format("the cell's largest {} is {} for the driver, more than one register holds",
+                        name_in(kValues, what), number),
+            fmt::format("write {}/2 in `move` if the driver takes it in two, else look at the "
+                        "unit or lower the limit",
+                        name_in(kValues, what))};
+    return std::nullopt;
+  };
+  if (auto why = too_large(What::kSpeed, speed_number(limits.speed_pulses_s, counts_per_turn)))
+    return why;
+  return too_large(What::kAcceleration,
+                   acceleration_number(limits.acceleration_pulses_s2, counts_per_turn));
+}
 
 ModbusMap read_modbus_map(const std::filesystem::path& path) {
   YamlReader file(path, "modbus");
@@ -139,9 +215,10 @@ ModbusMap read_modbus_map(const std::filesystem::path& path) {
   read_writes(file, "home_reverse", map.home_reverse, false);
   read_writes(file, "home_forward", map.home_forward, false);
   if (file.given("start")) read_text(file, "start", map.start, write_of, kWriteRule);
-  file.choice("speed", map.speed, kSpeeds);
-  file.choice("acceleration", map.acceleration, kAccelerations);
-  file.check(has_position(map.move), {"writes no position", "name it among its values"}, "move");
+  read_rate(file, "speed", map.speed, kSpeeds);
+  if (!values_in(map, What::kAcceleration).empty() || file.given("acceleration"))
+    read_rate(file, "acceleration", map.acceleration, kAccelerations);
+  check_whole(file, map);
   file.throw_if_faulty();
   return map;
 }

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
+#include "planar_servo/base/devices/drive_group.h"
+
 namespace planar {
 
 /// A value that is written into one register, or two.
@@ -34,8 +37,14 @@ struct StatusBit {
   bool in(long status) const { return ((status >> bit & 1) != 0) != is_inverted; }
 };
 
+/// In what a driver takes a speed or an acceleration: how much of a unit one of its numbers is.
+template <typename Unit>
+struct ModbusRate {
+  Unit unit{};
+  double size{1.0};
+};
 enum class ModbusSpeed { kCounts, kRpm };
-enum class ModbusAcceleration { kCounts, kMsPer1000Rpm };
+enum class ModbusAcceleration { kCounts, kRpmPerS, kMsPer1000Rpm };
 
 /// The registers of one make of stepper driver: calib/modbus/*.yaml, as doc/modbus.md describes it.
 struct ModbusMap {
@@ -47,8 +56,17 @@ struct ModbusMap {
   std::optional<StatusBit> on, fault;
   std::vector<RegisterWrite> switch_on, move, stop, home_reverse, home_forward;
   std::optional<RegisterWrite> start;  ///< of all drivers at once, after `move`
-  ModbusSpeed speed{ModbusSpeed::kCounts};
-  ModbusAcceleration acceleration{ModbusAcceleration::kCounts};
+  ModbusRate<ModbusSpeed> speed;
+  ModbusRate<ModbusAcceleration> acceleration;
+
+  /// Returns the driver's number for a speed in counts/s, rounded down but at least 1.
+  long speed_number(double counts_s, double counts_per_turn) const;
+  /// Returns the driver's number for an acceleration in counts/s2 that is not exceeded, at least 1;
+  /// of a ramp's time at most 65535.
+  long acceleration_number(double counts_s2, double counts_per_turn) const;
+
+  /// Returns why the numbers for these limits do not fit into the registers; empty where they do.
+  std::optional<Refusal> misfit(const DriveLimits& limits, double counts_per_turn) const;
 };
 
 /// Reads it. Throws InputError naming every fault.

@@ -111,7 +111,7 @@ PlanarRobot::~PlanarRobot() {
 
 void PlanarRobot::energize() {
   drives_.reconnect();
-  drives_.set_limits(rated_limits());
+  drives_.set_limits(transmission_.rated_limits());
   drives_.energize();
   read_positions(require_well());
 }
@@ -283,7 +283,7 @@ void PlanarRobot::brake() {
         std::lround(std::clamp(seen + way, std::min(seen, target), std::max(seen, target))));
     longest_s = std::max(longest_s, std::abs(speed) / acceleration);
   }
-  drives_.set_targets(stop_pulses);
+  drives_.brake_towards(stop_pulses);
   wait_for_rest(longest_s);
 }
 
@@ -315,8 +315,8 @@ void PlanarRobot::turn(const Status& status, const Joints& theta_dot) {
     throw std::invalid_argument("velocities of the joints must be finite");
   const Eigen::Vector3d velocity =
       transmission_.pulses_per_rad().cwiseProduct(transmission_.motors_from_joints(theta_dot));
-  const VelocityMove move =
-      velocity_move(turning_, clock_.now_s(), status, velocity, rated_limits(), kVelocityHold_s);
+  const VelocityMove move = velocity_move(turning_, clock_.now_s(), status, velocity,
+                                          transmission_.rated_limits(), kVelocityHold_s);
   const Pulses target(move.targets_pulses[0], move.targets_pulses[1], move.targets_pulses[2]);
   if (const auto violation =
           transmission_.limit_violation(transmission_.joints_from_pulses(target)))
@@ -336,7 +336,7 @@ void PlanarRobot::end_turning() {
   turn(look_while_turning(), Joints::Zero());
   try {
     wait_for_rest(kVelocityHold_s);
-    drives_.set_limits(rated_limits());
+    drives_.set_limits(transmission_.rated_limits());
     velocity_control_ = false;
   } catch (const std::exception& error) {
     halt_after(error);
@@ -420,17 +420,6 @@ void PlanarRobot::note_speeds(const Status& status) {
 
 const MotorDrive& PlanarRobot::motor_drive(int joint) const {
   return transmission_.settings().drives.at(static_cast<std::size_t>(joint));
-}
-
-std::array<DriveLimits, 3> PlanarRobot::rated_limits() const {
-  std::array<DriveLimits, 3> limits;
-  for (int i = 0; i < 3; ++i) {
-    const double pulses_per_rad = std::abs(transmission_.pulses_per_rad()[i]);
-    const MotorDrive& motor = motor_drive(i);
-    limits[static_cast<std::size_t>(i)] = {pulses_per_rad * motor.max_speed_rad_s,
-                                           pulses_per_rad * motor.max_acceleration_rad_s2};
-  }
-  return limits;
 }
 
 std::int32_t PlanarRobot::home_pulses(int joint) const {

@@ -179,7 +179,6 @@ class PlanarRobot {
   Status look_while_turning();
   void turn(const Status& status, const Joints& theta_dot);
   const MotorDrive& motor_drive(int joint) const;
-  std::array<DriveLimits, 3> rated_limits() const;
   std::int32_t home_pulses(int joint) const;
   double longest_move_s(const Pulses& target) const;
   void read_positions(const Status& status);

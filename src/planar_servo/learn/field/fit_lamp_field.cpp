@@ -49,7 +49,7 @@ FieldCertainty certainty_of(const LampField& field, const std::vector<PoseSample
 double end_point_with(const JointEstimate& estimate, const std::vector<PoseSample>& used,
                       const LaidDots& board, const std::vector<PoseSample>& judged) {
   JointEstimate other = estimate;
-  other.nominal = nominal_for(estimate.nominal, used);
+  other.nominal = nominal_for(estimate.nominal, used, board);
   auto fit = fit_jointly(other.model(), estimate.priors, used, estimate.fit.basis.radius, board);
   if (!fit) return std::nan("");
   other.fit = std::move(*fit);
@@ -77,8 +77,16 @@ std::vector<SourceWorth> worth_of_sources(const JointEstimate& estimate,
     add("tracker", fmt::format("{} readings", readings.size()), without_readings, board);
   if (n_unattended > 0)
     add("poses", fmt::format("{} without a reading", n_unattended), readings, board);
-  if (!board.lays.empty())
-    add("board", fmt::format("{} lays, {} dots", board.lays.size(), board.dots()), samples, {});
+  const auto add_without = [&](const char* name, const std::string& amount, auto part) {
+    LaidDots rest = board;
+    if ((rest.*part).empty()) return;
+    (rest.*part).clear();
+    add(name, amount, samples, rest);
+  };
+  add_without("board", fmt::format("{} lays, {} dots", board.lays.size(), board.dots()),
+              &LaidDots::lays);
+  add_without("bar", fmt::format("{} places", board.lengths.size()), &LaidDots::lengths);
+  add_without("marks", fmt::format("{} of the base", board.marks.size()), &LaidDots::marks);
   return sources;
 }
 
@@ -211,9 +219,12 @@ void take_best(const ArmNominal& nominal, const std::vector<PoseSample>& samples
 
 }  // namespace
 
-FixedBy fixed_by(std::size_t n_readings, const LaidDots& board) {
+FixedBy fixed_by(std::size_t n_readings, const LaidDots& laid) {
   FixedBy fixed;
-  if (!board.lays.empty() && board.pitch_known) fixed.scale = FieldSource::kBoard;
+  if (!laid.lays.empty() && laid.pitch_known) fixed.scale = FieldSource::kBoard;
+  if (!laid.lengths.empty()) fixed.scale = FieldSource::kBar;
+  if (!laid.marks.empty()) fixed.datum = FieldSource::kMarks;
+  if (laid.marks.size() >= 2) fixed.turn = FieldSource::kMarks;
   if (n_readings >= 1) fixed.datum = FieldSource::kTracker;
   if (n_readings >= 2) fixed.scale = fixed.turn = FieldSource::kTracker;
   return fixed;

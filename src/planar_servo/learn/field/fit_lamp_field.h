@@ -18,22 +18,24 @@ namespace planar {
 enum class FieldSource {
   kTracker,
   kBoard,    ///< a board of known pitch that was laid on the plane
+  kBar,      ///< a bar of certified length
+  kMarks,    ///< marks of the base
   kArm,      ///< the cell file's links, and the axis of joint 1
   kNothing,  ///< turn is counted from the cell file's zero of joint 1
 };
 
-constexpr Named<FieldSource> kFieldSources[] = {{FieldSource::kTracker, "tracker"},
-                                                {FieldSource::kBoard, "board"},
-                                                {FieldSource::kArm, "arm"},
-                                                {FieldSource::kNothing, "nothing"}};
+constexpr Named<FieldSource> kFieldSources[] = {
+    {FieldSource::kTracker, "tracker"}, {FieldSource::kBoard, "board"},
+    {FieldSource::kBar, "bar"},         {FieldSource::kMarks, "marks"},
+    {FieldSource::kArm, "arm"},         {FieldSource::kNothing, "nothing"}};
 
 struct FixedBy {
   FieldSource scale{FieldSource::kArm}, datum{FieldSource::kArm}, turn{FieldSource::kNothing};
 };
 
-/// Returns what fixes a field that is learned from so many readings and these lays. One reading
-/// fixes the datum, two at different places its turn and scale.
-FixedBy fixed_by(std::size_t n_readings, const LaidDots& board);
+/// Returns what fixes a field that is learned from so many readings and what lies on the plane. One
+/// reading or mark fixes the datum, two at different places its turn; readings its scale, too.
+FixedBy fixed_by(std::size_t n_readings, const LaidDots& laid);
 
 /// Standard deviations of a field's compensated end points over a set of poses: of their common
 /// scale, shift (metres per axis) and turn (radians), and of one by itself (metres per axis).

@@ -390,11 +390,13 @@ std::size_t readings_in(const std::vector<PoseSample>& samples) {
                     [](const PoseSample& sample) { return sample.reflector_B.has_value(); }));
 }
 
-ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples) {
-  constexpr std::size_t kReadingsForTurn = 2;
+ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                       const LaidDots& laid) {
+  constexpr std::size_t kPlacesForTurn = 2;
   constexpr double kNoDoubt = 1e-9;  // radians
   ArmNominal arm = nominal;
-  if (readings_in(samples) < kReadingsForTurn) arm.zero1_sigma = kNoDoubt;
+  if (std::max(readings_in(samples), laid.marks.size()) < kPlacesForTurn)
+    arm.zero1_sigma = kNoDoubt;
   arm.leans = axis_leans(nominal, samples);
   return arm;
 }
@@ -403,7 +405,7 @@ JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<Pose
                                const LaidDots& board, ArmTrust trust) {
   check(samples);
   JointEstimate estimate;
-  estimate.nominal = nominal_for(nominal, samples);
+  estimate.nominal = nominal_for(nominal, samples, board);
   if (trust == ArmTrust::kNone)
     estimate.nominal.end_point_sigma =
         estimate.nominal.tool.covariance.diagonal().head<2>().cwiseSqrt().cwiseMax(kBestEndPoint);

@@ -70,7 +70,9 @@ constexpr std::size_t kFewestPoses = 12;
 std::size_t readings_in(const std::vector<PoseSample>& samples);
 
 /// Returns the arm as its files have it, with the zero of motor 1 beyond doubt when less than two
-/// readings fix the turn about the base's axis, and with what is known of its axes' leans.
-ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples);
+/// readings or marks of the base fix the turn about its axis, and with what is known of its axes'
+/// leans.
+ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
+                       const LaidDots& laid);
 
 }  // namespace planar

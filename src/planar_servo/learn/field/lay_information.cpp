@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -134,9 +135,25 @@ std::size_t LaidDots::dots() const {
   return n;
 }
 
-LayInformation lay_information(const LaidDots& board, const FieldBasis& basis, double factor) {
-  const Eigen::Index n = 2 * basis.terms();
+namespace {
+
+LayInformation add(const LayInformation& a, const LayInformation& b) {
+  return {a.H + b.H, a.right + b.right, a.squares + b.squares,
+          a.log_determinant + b.log_determinant};
+}
+
+/// Returns the sum of equations row . weights = z of unit variance.
+Sums sum_of(const Eigen::MatrixXd& rows, const Eigen::VectorXd& z) {
+  Sums sums(rows.cols());
+  sums.H = rows.transpose() * rows;
+  sums.right = rows.transpose() * z;
+  sums.squares = z.squaredNorm();
+  return sums;
+}
+
+LayInformation told_by_board(const LaidDots& board, const FieldBasis& basis, double factor) {
   const std::vector<BoardLay> lays = on_disc(board.lays, basis.radius);
+  const Eigen::Index n = 2 * basis.terms();
   if (lays.empty()) return {Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), 0.0, 0.0};
   const double scale = board.pitch_known ? 1.0 : seen_scale(lays);
   Sums sums(n + kShape);
@@ -152,6 +169,57 @@ LayInformation lay_information(const LaidDots& board, const FieldBasis& basis, d
   return {field.H, field.right, field.squares,
           2.0 * numbers * std::log(factor) + std::log(of_shape.determinant()) +
               2.0 * prior.array().log().sum()};
+}
+
+/// Along a bar, seen length = length + its deviation + what the field adds from end to end.
+LayInformation told_by_lengths(const LaidDots& laid, const FieldBasis& basis) {
+  const Eigen::Index terms = basis.terms();
+  std::vector<Eigen::RowVectorXd> rows;
+  std::vector<double> z;
+  for (const LengthSight& sight : laid.lengths) {
+    const auto& [first, second] = sight.seen_B;
+    if (std::max(first.norm(), second.norm()) > basis.radius) continue;
+    const Eigen::Vector2d along = (second - first).normalized();
+    const Eigen::RowVectorXd growth = basis.at(second) - basis.at(first);
+    Eigen::RowVectorXd row(2 * terms + 1);
+    row << along.x() * growth, along.y() * growth, 1.0;
+    rows.emplace_back(row / sight.sigma);
+    z.push_back(((second - first).norm() - laid.length) / sight.sigma);
+  }
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(rows.size()), 2 * terms + 1);
+  for (std::size_t i = 0; i < rows.size(); ++i) all.row(static_cast<Eigen::Index>(i)) = rows[i];
+  if (rows.empty())
+    return {Eigen::MatrixXd::Zero(2 * terms, 2 * terms), Eigen::VectorXd::Zero(2 * terms), 0.0,
+            0.0};
+  Sums sums = sum_of(all, Eigen::Map<Eigen::VectorXd>(z.data(), all.rows()));
+  const double variance = laid.length_sigma * laid.length_sigma;
+  sums.H(2 * terms, 2 * terms) += 1.0 / variance;
+  const double told = std::log(sums.H(2 * terms, 2 * terms) * variance);
+  const Sums field = without_last(sums, 1);
+  return {field.H, field.right, field.squares, told};
+}
+
+LayInformation told_by_marks(const LaidDots& laid, const FieldBasis& basis) {
+  const Eigen::Index terms = basis.terms();
+  Sums sums(2 * terms);
+  for (const MarkSight& mark : laid.marks) {
+    if (mark.seen_B.norm() > basis.radius) continue;
+    const Eigen::RowVectorXd b = basis.at(mark.seen_B) / mark.sigma;
+    const Eigen::Vector2d z = (mark.seen_B - mark.p_B) / mark.sigma;
+    for (const Eigen::Index axis : {0, 1}) {
+      sums.H.block(axis * terms, axis * terms, terms, terms) += b.transpose() * b;
+      sums.right.segment(axis * terms, terms) += b.transpose() * z[axis];
+    }
+    sums.squares += z.squaredNorm();
+  }
+  return {sums.H, sums.right, sums.squares, 0.0};
+}
+
+}  // namespace
+
+LayInformation lay_information(const LaidDots& laid, const FieldBasis& basis, double factor) {
+  return add(told_by_board(laid, basis, factor),
+             add(told_by_lengths(laid, basis), told_by_marks(laid, basis)));
 }
 
 std::optional<Refusal> doubt_of_turns(const LaidDots& board) {

@@ -12,9 +12,12 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/map_file.h"
+#include "planar_servo/files/work_file.h"
 #include "planar_servo/geometry/arm/transmission.h"
 #include "planar_servo/hardware/cell/device_kinds.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "planar_servo/offline/saved_frames.h"
+#include "planar_servo/workpiece/find_work.h"
 
 namespace planar {
 namespace {
@@ -86,6 +89,40 @@ BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
   return lay;
 }
 
+/// Adds each sight of the bar.
+void add_bar(const LampFieldFiles& files, const CellSettings& cell,
+             const VisionCalibration& uncompensated, LaidDots& laid) {
+  const std::vector<Fiducial> bar = read_bar(files.bar);
+  laid.length = (bar[1].p_W - bar[0].p_W).norm();
+  laid.length_sigma = files.bar_sigma;
+  for (const std::filesystem::path& image : files.images)
+    for (const BarSight& seen : see_bars(saved_frames({image}, cell), uncompensated, bar))
+      laid.lengths.push_back({seen.p_B, seen.sigma});
+}
+
+/// Adds each mark of the base where the pictures together show it.
+void add_marks(const LampFieldFiles& files, const CellSettings& cell,
+               const VisionCalibration& uncompensated, LaidDots& laid) {
+  const std::vector<Fiducial> marks = read_work_drawing(files.marks);
+  std::map<std::string, std::vector<FoundFiducial>> sights;
+  for (const std::filesystem::path& image : files.images)
+    for (FoundFiducial& seen : see_marks(saved_frames({image}, cell), uncompensated, marks))
+      sights[seen.fiducial.id].push_back(std::move(seen));
+  for (const auto& [id, seen] : sights) {
+    const auto n = static_cast<double>(seen.size());
+    MarkSight mark{seen.front().fiducial.p_W,
+                   {0.0, 0.0},
+                   std::hypot(files.marks_sigma, seen.front().sigma / std::sqrt(n))};
+    for (const FoundFiducial& one : seen) mark.seen_B += one.p_B / n;
+    laid.marks.push_back(mark);
+  }
+  if (laid.marks.empty())
+    throw InputError({fmt::format("none of the {} marks of the base is seen near its place in {} "
+                                  "pictures",
+                                  marks.size(), files.images.size()),
+                      "compare x_mm and y_mm with the base frame, and uncover them", files.marks});
+}
+
 }  // namespace
 
 ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision) {
@@ -133,16 +170,22 @@ LaidDots laid_dots(const std::vector<LayRow>& rows) {
 
 std::vector<MadeFile> LampFieldFiles::inputs() const {
   std::vector<MadeFile> files{{Role::kPairs, pairs}};
-  if (!lays.empty()) files.push_back({Role::kLays, lays});
+  for (const MadeFile& more :
+       {MadeFile{Role::kLays, lays}, MadeFile{Role::kBar, bar}, MadeFile{Role::kMarks, marks}})
+    if (!more.path.empty()) files.push_back(more);
   return files;
 }
 
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
                               const VisionCalibration& vision, const Progress& progress) {
   warn_of_changed_rows(files.pairs);
-  const LaidDots board = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
+  LaidDots laid = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
+  VisionCalibration uncompensated = vision;
+  uncompensated.error_map.reset();
+  if (!files.bar.empty()) add_bar(files, cell, uncompensated, laid);
+  if (!files.marks.empty()) add_marks(files, cell, uncompensated, laid);
   return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(files.pairs)),
-                        board, progress);
+                        laid, progress);
 }
 
 void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,

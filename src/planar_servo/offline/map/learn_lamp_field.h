@@ -31,9 +31,14 @@ LaidDots laid_dots(const std::vector<LayRow>& rows);
 /// The inputs of a field at the lamps, and the files for it and the arm found with it.
 struct LampFieldFiles {
   std::filesystem::path pairs;
-  std::filesystem::path lays;  ///< empty where there are none
-  std::filesystem::path map;
-  std::filesystem::path arm;  ///< empty where nobody wants it
+  std::filesystem::path lays{};  ///< empty where there are none
+  std::filesystem::path map{};
+  std::filesystem::path arm{};  ///< empty where nobody wants it
+  /// Marks of a bar of certified length, and of the base at their places in its frame, each as
+  /// work.csv has them; empty where there are none. Whole pictures show them.
+  std::filesystem::path bar{}, marks{};
+  double bar_sigma{0.0}, marks_sigma{0.0};  ///< of the length, and of a place per axis, metres
+  std::vector<std::filesystem::path> images{};
 
   std::vector<MadeFile> inputs() const;
 };

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
@@ -120,6 +122,59 @@ ExposureReading read_exposure(const cv::Mat& image) {
   if (lit > 0)
     reading.saturated_share = static_cast<double>(counts[kWhite]) / static_cast<double>(lit);
   return reading;
+}
+
+namespace {
+
+/// Returns the level that half of the counts from `first` on reach.
+int median_from(const Histogram& counts, std::size_t first, std::size_t end) {
+  const std::size_t all =
+      std::accumulate(counts.begin() + static_cast<std::ptrdiff_t>(first),
+                      counts.begin() + static_cast<std::ptrdiff_t>(end), std::size_t{0});
+  std::size_t below = 0, level = first;
+  while (level + 1 < end && below + counts[level] <= all / 2) below += counts[level++];
+  return static_cast<int>(level);
+}
+
+std::string bars_of(const Histogram& counts, std::size_t pixels) {
+  constexpr std::size_t kLevelsABar = 16;
+  constexpr const char* kBars[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  std::string bars;
+  for (std::size_t first = 0; first < counts.size(); first += kLevelsABar) {
+    std::size_t in_bar = 0;
+    for (std::size_t i = first; i < first + kLevelsABar; ++i) in_bar += counts[i];
+    const double height = in_bar == 0 ? 0.0
+                                      : 1.0 + 7.0 * std::log(static_cast<double>(in_bar)) /
+                                                  std::log(static_cast<double>(pixels));
+    bars += kBars[static_cast<std::size_t>(height)];
+  }
+  return bars;
+}
+
+}  // namespace
+
+LampLevels read_lamp_levels(const cv::Mat& image) {
+  const Histogram counts = histogram_of(image);
+  const auto pixels = image.total();
+  const auto middle = static_cast<std::size_t>(level_reached(counts, pixels / 2) +
+                                               level_reached(counts, kHotPixels)) /
+                          2 +
+                      1;
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+  };
+  const std::size_t around = std::accumulate(
+      counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(middle), std::size_t{0});
+  return {median_from(counts, 0, middle), median_from(counts, middle, counts.size()),
+          share(counts[0], around), share(counts[kWhite], pixels - around),
+          bars_of(counts, pixels)};
+}
+
+std::string LampLevels::text() const {
+  return fmt::format(
+      "levels 0 [{}] 255: ambient {}, lit {}; at 0: {:.0f} % of what is around, at "
+      "255: {:.0f} % of the lamp",
+      bars, ambient, lit, 100.0 * dark_share, 100.0 * clipped_share);
 }
 
 std::optional<SightedLamps> sight_lamps(const Frame& frame,

@@ -30,6 +30,20 @@ struct ExposureReading {
 /// the middle between the median level and the peak.
 ExposureReading read_exposure(const cv::Mat& image);
 
+/// How the grey levels of a picture of one lamp and its surroundings are spread.
+struct LampLevels {
+  int ambient{0}, lit{0};     ///< medians around the lamp and of it
+  double dark_share{0.0};     ///< of the surroundings, at 0
+  double clipped_share{0.0};  ///< of the lamp, at 255
+  std::string bars;           ///< a bar for each 16 levels, as high as the logarithm of its share
+
+  std::string text() const;
+};
+
+/// Returns the levels of an image of one lamp, CV_8UC1. The lamp is what lies above the middle
+/// between the median and the brightest level.
+LampLevels read_lamp_levels(const cv::Mat& image);
+
 /// Two lamps as a frame shows them, in any order, and how wide their edges are, pixels.
 struct SightedLamps {
   std::array<LampCenter, 2> lamps;

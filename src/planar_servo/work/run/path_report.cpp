@@ -336,10 +336,7 @@ TextTable path_table(const PathRequest& path, const std::vector<PathSpeedResult>
 
 void write_path_run(const ServoRequest& request, const PathRequest& path, const PathRun& run) {
   YamlWriter yaml("run", "planar-servo");
-  yaml.add_inputs(input_records(run_inputs(request, path.file)));
-  yaml.add("error_map_used", uses_error_map(*request.cell));
-  if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
-  if (run.accepted_map()) yaml.add("accepted_map", *run.accepted_map());
+  add_used(yaml, request, run.cell(), path.file);
   for (const PathSpeedResult& result : run.results())
     yaml.add(fmt::format("status_by_{}_at_{:g}_mm_s", name_in(kGuidances, result.guidance),
                          mm(result.speed_m_s)),

@@ -60,8 +60,7 @@ class PathRun {
   const std::optional<std::string>& ended_by() const { return ended_by_; }
   const std::vector<PathSpeedResult>& results() const { return results_; }
   const std::vector<PathLookRow>& looks() const { return looks_; }
-  const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
-  const std::optional<std::string>& accepted_map() const { return cell_.accepted_map(); }
+  const ReadyCell& cell() const { return cell_; }
 
  private:
   PathResult follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance);

@@ -249,6 +249,7 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 }
 
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
+  robot_.throw_if_stopped();
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
   robot_.recover(kDrivePatience_s);
   home();

@@ -153,6 +153,7 @@ class ReadyCell {
   const std::vector<std::string>& accepted_stale() const { return accepted_stale_; }
   /// Returns the accepted objections to the error map.
   const std::optional<std::string>& accepted_map() const { return accepted_map_; }
+  const FrameSource& camera() const { return camera_; }
 
  private:
   void home();

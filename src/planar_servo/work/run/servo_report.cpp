@@ -183,14 +183,11 @@ std::string line_of(const ReportList& list) {
   return text.substr(0, text.find('\n'));
 }
 
-/// Returns the text of run.yaml: the files used with their hashes, settings and outcome.
+/// Returns the text of run.yaml: what was used, and the outcome.
 std::string run_text(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
-                     const std::vector<std::filesystem::path>& inputs) {
+                     const std::filesystem::path& targets) {
   YamlWriter yaml("run", "planar-servo");
-  yaml.add_inputs(input_records(inputs));
-  yaml.add("error_map_used", uses_error_map(*request.cell));
-  if (!run.accepted_stale().empty()) yaml.add("accepted_stale", run.accepted_stale());
-  if (run.accepted_map()) yaml.add("accepted_map", *run.accepted_map());
+  add_used(yaml, request, run.cell(), targets);
   yaml.add("targets", static_cast<int>(figures.targets));
   yaml.add("reached", static_cast<int>(figures.reached));
   if (figures.frames) yaml.add("camera", describe(*figures.frames));
@@ -336,11 +333,23 @@ std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
   return inputs;
 }
 
+void add_used(YamlWriter& yaml, const ServoRequest& request, const ReadyCell& cell,
+              const std::filesystem::path& wanted) {
+  yaml.add_inputs(input_records(run_inputs(request, wanted)));
+  yaml.add("error_map_used", uses_error_map(*request.cell));
+  if (!cell.accepted_stale().empty()) yaml.add("accepted_stale", cell.accepted_stale());
+  if (cell.accepted_map()) yaml.add("accepted_map", *cell.accepted_map());
+  const auto features = cell.camera().features();
+  if (!features.empty())
+    yaml.map("camera_features", [&] {
+      for (const auto& [name, value] : features) yaml.add(name, value);
+    });
+}
+
 void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigures& figures,
                const std::filesystem::path& targets) {
   if (!run.has_new_results() && std::filesystem::exists(request.folder.path / "run.yaml")) return;
-  write_file(request.folder.path / "run.yaml",
-             run_text(request, run, figures, run_inputs(request, targets)));
+  write_file(request.folder.path / "run.yaml", run_text(request, run, figures, targets));
   write_file(request.folder.path / "report.html",
              servo_page(request.cell->settings.file, figures, run.results(), run.ended_by()));
 }

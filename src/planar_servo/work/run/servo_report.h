@@ -8,6 +8,7 @@
 
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/plot.h"
@@ -91,6 +92,11 @@ QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>
 /// a file.
 std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
                                               const std::filesystem::path& wanted);
+
+/// Adds what a run used to its run.yaml: its files with their hashes, what was accepted of them,
+/// and the settings of its camera.
+void add_used(YamlWriter& yaml, const ServoRequest& request, const ReadyCell& cell,
+              const std::filesystem::path& wanted);
 
 /// Writes run.yaml and report.html into the run's folder. The run used the files of its cell and
 /// the table `targets`, which is empty when the targets came on standard input.

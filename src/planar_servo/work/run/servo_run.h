@@ -102,9 +102,7 @@ class ServoRun {
   bool has(const std::string& id) const;
   /// Returns whether move_to() has added a result to those that the folder held.
   bool has_new_results() const { return results_.size() > results_before_; }
-  /// Returns the sentences on files that do not belong together and were accepted.
-  const std::vector<std::string>& accepted_stale() const { return cell_.accepted_stale(); }
-  const std::optional<std::string>& accepted_map() const { return cell_.accepted_map(); }
+  const ReadyCell& cell() const { return cell_; }
   /// Returns the results so far. Those of a resumed run begin with those that the folder holds.
   const std::vector<TargetResult>& results() const { return results_; }
 

@@ -1,4 +1,4 @@
-#include "saved_frames.h"
+#include "planar_servo/offline/saved_frames.h"
 
 #include <fmt/format.h>
 
