@@ -6,9 +6,12 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/saved_frames.h"
 #include "planar_servo/report/report_list.h"
+#include "planar_servo/work/workpiece/seen_tip.h"
 #include "program.h"
 
 namespace planar {
@@ -19,7 +22,11 @@ namespace fs = std::filesystem;
 const ProgramText kText{
     "planar-teach-tool",
     "planar-teach-tool --cell cell.yaml -o tool.yaml [--poses taught.csv] [--sigma-mm S]\n"
-    "       planar-teach-tool --cell cell.yaml --check tool.yaml [--poses taught.csv]",
+    "       planar-teach-tool --cell cell.yaml --check tool.yaml [--poses taught.csv]\n"
+    "       planar-teach-tool --cell cell.yaml -o tool.yaml --seen bright_disc|dark_disc --size-mm "
+    "D\n"
+    "                         --height-mm H [--height-sigma-mm S] --poses taught.csv --image "
+    "FILE...",
     R"(tip                 (29.997, 0.012) mm from the end point, in the tool's frame
 deviation           (0.0141, 0.0143) mm
 poses               4, up to 0.0210 mm from the mark
@@ -28,7 +35,32 @@ mark                (250.004, 120.013) mm)"};
 struct Options {
   fs::path cell, out, check, poses;
   double sigma_mm{0.02};
+  std::string seen;  ///< the kind of a disc at the tip; empty: none is seen
+  double size_mm{0.0}, height_mm{0.0}, height_sigma_mm{0.1};
+  std::vector<fs::path> images;
 };
+
+void add_disc_options(CLI::App& app, Options& options) {
+  auto* seen = app.add_option("--seen", options.seen,
+                              "the tip shows this disc to the camera: its place follows from "
+                              "pictures, and no mark is needed")
+                   ->check(CLI::IsMember({"bright_disc", "dark_disc"}))
+                   ->type_name("KIND");
+  const auto add = [&](const char* name, double& value, const char* type, const char* text) {
+    return app.add_option(name, value, text)->needs(seen)->type_name(type);
+  };
+  seen->needs(
+      add("--size-mm", options.size_mm, "D", "the disc's diameter")->check(CLI::PositiveNumber));
+  seen->needs(add("--height-mm", options.height_mm, "H",
+                  "the disc's height over the lamps, negative below them"));
+  add("--height-sigma-mm", options.height_sigma_mm, "S", "standard deviation of that height")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  seen->needs(add_value(app, "--image", options.images, "FILE",
+                        "a whole picture of each pose, in the order of the table, as planar-jog "
+                        "saves it")
+                  ->needs(seen));
+}
 
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
@@ -47,6 +79,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::PositiveNumber)
       ->type_name("S")
       ->capture_default_str();
+  add_disc_options(app, options);
 }
 
 /// Returns the poses of a table, or of a session that begins now and keeps them beside the file.
@@ -70,10 +103,29 @@ std::vector<TipAtMark> poses_of(const Options& options, const CellSettings& cell
   return poses;
 }
 
+/// Returns the tip, by a mark to which it was brought or by a disc that it shows.
+TaughtTip taught_by(const Options& options, const CellSettings& cell) {
+  const std::vector<TipAtMark> poses = poses_of(options, cell);
+  if (options.seen.empty()) return teach_tip(poses, options.sigma_mm * kMillimetre);
+  Fiducial disc;
+  disc.id = "the tip";
+  disc.kind = value_named(kFiducialKinds, options.seen).value();
+  disc.size = options.size_mm * kMillimetre;
+  disc.z = options.height_mm * kMillimetre;
+  disc.sigma_z = options.height_sigma_mm * kMillimetre;
+  const VisionCalibration vision = read_vision(cell, fs::exists(cell.error_map));
+  const SeenTip seen = see_tip(saved_frames(options.images, cell), poses, vision, disc);
+  TaughtTip taught = teach_tip(seen.poses, seen.sigma);
+  require_height(taught, seen, vision, poses);
+  return taught;
+}
+
 Outcome teach(const Options& options, const CellSettings& cell) {
   require_writable(options.out, "tool_tip");
+  if (!options.seen.empty() && options.poses.empty())
+    throw InputError(Refusal{"--seen needs --poses", "name the table that planar-jog taught"});
   const std::vector<Origin> origins = tool_tip_origins(cell);
-  const TaughtTip taught = teach_tip(poses_of(options, cell), options.sigma_mm * kMillimetre);
+  const TaughtTip taught = taught_by(options, cell);
   write_file(options.out, tool_tip_text(taught, origins, kText.name));
   double farthest = 0.0;
   for (const Eigen::Vector2d& residual : taught.residuals)
@@ -84,7 +136,7 @@ Outcome teach(const Options& options, const CellSettings& cell) {
             Eigen::Vector2d(taught.tip.covariance.diagonal().cwiseSqrt()));
   list.line("poses", "{poses}, up to {largest_residual_mm:.4f} mm from the mark",
             taught.residuals.size(), farthest);
-  list.line("mark", "({mark_mm:.3f}) mm", taught.mark_B);
+  list.line(options.seen.empty() ? "mark" : "common to all", "({mark_mm:.3f}) mm", taught.mark_B);
   say("{}", list.text());
   return {list.json()};
 }

@@ -1,6 +1,7 @@
 #include "planar_servo/geometry/arm/clearance.h"
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <random>
 
 #include "planar_servo/base/core/units.h"
@@ -163,23 +164,29 @@ TEST_CASE("Parts touch only what reaches their heights") {
 }
 
 TEST_CASE("On allowed random moves among ten barriers no part touches one") {
+  // ARM_MOVES: as many moves, of which all that are allowed are looked at.
+  constexpr int kMovesAScene = 200;
+  const char* const wanted = std::getenv("ARM_MOVES");
+  const int scenes = wanted != nullptr ? std::atoi(wanted) / kMovesAScene : 6;
+  const int looked_at = wanted != nullptr ? 1 : 8;
   std::mt19937 random(1);
   int allowed = 0;
-  for (int scene = 0; scene < 6; ++scene) {
+  for (int scene = 0; scene < scenes; ++scene) {
     const auto barriers = ten_barriers(random);
     const JointPlanner planner = planner_among(barriers);
     Joints at = random_joints(planner, random);
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < kMovesAScene; ++i) {
       const Joints to = random_joints(planner, random);
       if (planner.refusal(at) || planner.refusal(to) || planner.way_refusal(at, to)) {
         at = to;
         continue;
       }
       ++allowed;
-      if (allowed % 8 == 0) CHECK_FALSE(touches_on_way(planner, barriers, at, to, 0.02));
+      if (allowed % looked_at == 0) CHECK_FALSE(touches_on_way(planner, barriers, at, to, 0.02));
       at = to;
     }
   }
+  CAPTURE(scenes * kMovesAScene, allowed);
   CHECK(allowed > 40);
 }
 

@@ -289,9 +289,9 @@ TEST_CASE(
   REQUIRE_LINUXCNC();
   enum Fault { kEstop, kOff, kTaken, kStopped, kCut, kMute, kCount };
   constexpr const char* kNames[] = {"estop", "off", "taken", "stopped", "cut", "mute"};
-  constexpr const char* kSaid[] = {
-      "emergency stop is pressed", "came to rest at",       "another client",
-      "came to rest at",           "closed the connection", "does not answer"};
+  constexpr const char* kSaid[] = {"emergency stop",        "LinuxCNC's machine is off",
+                                   "another client",        "",
+                                   "closed the connection", "does not answer"};
   std::mt19937 random(40);
   std::uniform_real_distribution<double> after_s(0.05, 1.2);
   for (int i = 0; i < test::faults_to_inject(kCount); ++i) {
@@ -318,6 +318,8 @@ TEST_CASE(
       }
       CHECK(struck.rests);
       CHECK_THAT(struck.said, Contains(kSaid[fault]));
+      if (fault == kStopped)  // seen by the rest, or by who has the control
+        CHECK_THAT(struck.said, Contains("came to rest at") || Contains("another client"));
       CHECK(drives.status()[0].answers == (fault < kCut));
       if (fault >= kCut || fault == kEstop || fault == kOff) CHECK_FALSE(struck.certain);
       if (struck.certain) {

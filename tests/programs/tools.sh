@@ -54,3 +54,27 @@ expect 1 "miss one mark by" "${made[@]}" slipped.csv
 expect 2 "names no tool 'drill'; known are needle" \
   "$bin/planar-servo" -q --cell cell/tools.yaml --tool drill --targets targets.csv --out made
 expect 2 "no tool 'needle'" "$bin/planar-servo" -q --cell cell/cell.yaml --tool needle --targets targets.csv --out made
+
+# A lit disc at the tip gives its place by pictures at three directions, without a mark; a wrong height is told.
+cp -r "$2/cell" lit
+sed -i 's/^\( *\)reflector_mm:\(.*\)$/\1reflector_mm:\2\n\1tip_mm: [42, -15, -12]\n\1tip_diameter_mm: 6/' lit/truth.yaml
+grep -q tip_mm lit/truth.yaml || fail "the truth has no tip: $(grep -n -A4 tool lit/truth.yaml)"
+{
+  echo enable
+  for pose in 1 2 3; do
+    printf 'teach at%s\nsave at%s.png\n' $pose $pose
+    for _ in 1 2 3 4 5 6 7; do echo joint 3 15; done
+  done
+} >lines.txt
+"$bin/planar-jog" --cell lit/cell.yaml --teach seen.csv <lines.txt >said.txt
+seen=("$bin/planar-teach-tool" --cell lit/cell.yaml --seen bright_disc --poses seen.csv --image at1.png at2.png at3.png)
+"${seen[@]}" --size-mm 6 --height-mm -12 -o lit/disc.yaml --json disc.json >said.txt 2>&1 || fail "$(cat said.txt)"
+python3 - <<'END' || fail "the seen tip is not where it is: $(cat disc.json)"
+import json, math
+taught = json.load(open("disc.json"))
+assert math.dist(taught["p_TE_mm"], (42, -15)) < 0.06, taught
+END
+expect 1 "as if it lay" "${seen[@]}" --size-mm 6 --height-mm -8 -o made
+expect 1 "nothing of this kind and size but the lamps" "${seen[@]}" --height-mm -12 --size-mm 12 -o made
+expect 2 "2 pictures for 3 poses" "$bin/planar-teach-tool" --cell lit/cell.yaml --seen bright_disc --size-mm 6 --height-mm -12 \
+  --poses seen.csv --image at1.png at2.png -o made

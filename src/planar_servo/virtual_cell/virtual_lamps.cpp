@@ -203,8 +203,11 @@ Light light_of(const std::vector<SeenLamp>& lamps, double blur_px) {
 VirtualLamps::VirtualLamps(const Truth& truth)
     : lamps_(truth.lamps),
       places_m_(truth.tool.lamps_m),
+      tip_(truth.tool.tip),
       fixed_(truth.reference_lamps),
-      blur_px_(truth.camera.blur_px) {}
+      blur_px_(truth.camera.blur_px) {
+  if (tip_) tip_lamp_.diameter_m = tip_->diameter_m;
+}
 
 std::optional<Light> VirtualLamps::render(const Pose& X_BT, const VirtualLens& lens,
                                           double t_s) const {
@@ -256,6 +259,10 @@ std::vector<SeenLamp> VirtualLamps::see_tool(const Pose& X_BT, const VirtualLens
   for (std::size_t i = 0; i < lamps_.size(); ++i)
     if (auto seen = see_lamp(lamps_[i], places_m_[i], X_BT, lens, t_s))
       lamps.push_back(std::move(*seen));
+  if (!tip_) return lamps;
+  const Pose X_BE = X_BT * Eigen::Translation3d(0.0, 0.0, tip_->p_T.z());
+  if (auto seen = see_lamp(tip_lamp_, tip_->p_T.head<2>(), X_BE, lens, t_s))
+    lamps.push_back(std::move(*seen));
   return lamps;
 }
 

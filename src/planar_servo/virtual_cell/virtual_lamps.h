@@ -73,6 +73,8 @@ class VirtualLamps {
 
   std::array<LampTruth, 2> lamps_;
   std::array<Eigen::Vector2d, 2> places_m_;
+  std::optional<TipTruth> tip_;
+  LampTruth tip_lamp_;
   std::vector<ReferenceLampTruth> fixed_;
   double blur_px_;
 };

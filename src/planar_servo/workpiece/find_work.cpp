@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
@@ -440,26 +441,44 @@ std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCal
   return bars;
 }
 
+std::vector<FoundFiducial> see_like(const std::vector<Frame>& frames,
+                                    const VisionCalibration& vision, const Fiducial& form) {
+  const std::vector<Picture> pictures = pictures_of(frames, vision);
+  std::vector<FoundFiducial> found;
+  for (const MarkCandidate& candidate : candidates_in(pictures.front(), vision, {form})) {
+    const auto mean = measure_in(pictures, form.kind, candidate.sight);
+    if (!mean) continue;
+    std::vector<MeanFiducial> means{*mean};
+    take_off_eccentricity(vision, form, means.front());
+    take_scatter({form}, means);
+    const WorkMarks marks =
+        marks_on_plane(vision, {form}, {means[0].uv_px}, {means[0].covariance_px2});
+    found.push_back({form, means[0].uv_px, marks.p_B.col(0), Eigen::Vector2d::Zero(),
+                     per_axis(marks.covariance()), candidate.size});
+  }
+  return found;
+}
+
 std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
                                      const VisionCalibration& vision,
                                      const std::vector<Fiducial>& marks_B) {
   constexpr double kNear = 5e-3;  // metres; what a base frame by cell file and poses is off
-  const std::vector<Picture> pictures = pictures_of(frames, vision);
-  const std::vector<MarkCandidate> candidates = candidates_in(pictures.front(), vision, marks_B);
+  using Form = std::tuple<FiducialKind, double, double>;
+  std::map<Form, std::vector<FoundFiducial>> alike;
   std::vector<FoundFiducial> found;
   for (const Fiducial& mark : marks_B) {
-    Constellation one;
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-      if (candidates[i].kind == mark.kind && (candidates[i].p_B - mark.p_W).norm() < kNear)
-        one.candidates.push_back(i);
-    if (one.candidates.size() > 1)
+    const auto [seen, is_new] = alike.try_emplace(Form{mark.kind, mark.size, mark.z});
+    if (is_new) seen->second = see_like(frames, vision, mark);
+    std::vector<FoundFiducial> near;
+    for (const FoundFiducial& one : seen->second)
+      if ((one.p_B - mark.p_W).norm() < kNear) near.push_back(one);
+    if (near.size() > 1)
       throw WorkError({fmt::format("{} of the base could be any of {} marks within {:g} mm of {}",
-                                   mark.id, one.candidates.size(), mm(kNear), place_mm(mark.p_W)),
+                                   mark.id, near.size(), mm(kNear), place_mm(mark.p_W)),
                        "cover what looks like it"});
-    if (one.candidates.empty()) continue;
-    const auto [means, marks] = measure_marks(one, candidates, pictures, vision, {mark});
-    found.push_back({mark, means[0].uv_px, marks.p_B.col(0), Eigen::Vector2d::Zero(),
-                     per_axis(marks.covariance()), 0.0});
+    if (near.empty()) continue;
+    found.push_back(near.front());
+    found.back().fiducial = mark;
   }
   return found;
 }

@@ -85,9 +85,14 @@ struct BarSight {
 std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCalibration& vision,
                                const std::vector<Fiducial>& bar);
 
+/// Measures everything in whole frames of a scene at rest that looks like this mark, wherever it
+/// is. Returns places as FoundFiducial has them, without residuals.
+std::vector<FoundFiducial> see_like(const std::vector<Frame>& frames,
+                                    const VisionCalibration& vision, const Fiducial& form);
+
 /// Measures marks whose places in the base frame are known, each near its own, in whole frames of a
-/// scene at rest; those that are not seen are left out. Returns their places as FoundFiducial has
-/// them, without residuals. Throws WorkError where two are seen near one place.
+/// scene at rest; those that are not seen are left out. Throws WorkError where two are seen near
+/// one place.
 std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
                                      const VisionCalibration& vision,
                                      const std::vector<Fiducial>& marks_B);

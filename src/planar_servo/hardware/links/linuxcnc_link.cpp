@@ -304,6 +304,7 @@ void LinuxcncLink::switch_on() {
   take_control();
   set("estop off");
   set("machine on");
+  was_switched_on_ = true;
   for (const LinuxcncJoint& joint : host_.joints)
     if (!joint.has_switch &&
         reader_.get(fmt::format("joint_homed {}", joint.number)).find("NO") != std::string::npos)
@@ -394,7 +395,11 @@ MachineState LinuxcncLink::state_now() {
     std::this_thread::sleep_for(kApart);
     look();
   }
-  if (was_on_ && is_stopped) state.faults.emplace_back("LinuxCNC's emergency stop is pressed");
+  if (was_switched_on_ && !state.on)
+    state.faults.emplace_back(
+        is_stopped ? "LinuxCNC's emergency stop is pressed"
+                   : "LinuxCNC's machine is off: its emergency stop, a fault or another client "
+                     "switched it off");
   for (const char* what : {"joint_limit", "joint_fault"}) {
     std::istringstream words(reader_.get(what));
     std::vector<std::string> said;

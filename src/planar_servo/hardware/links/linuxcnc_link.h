@@ -123,6 +123,7 @@ class LinuxcncLink final : public MachineLink {
   Clock::time_point changed_;
   std::optional<Clock::time_point> told_to_stop_;  ///< until it rests
   int losses_{0};
+  bool was_switched_on_{false};  ///< by this program
   bool was_on_{false};
   std::optional<int> homing_joint_;
 };

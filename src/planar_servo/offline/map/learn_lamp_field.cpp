@@ -89,7 +89,7 @@ BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
   return lay;
 }
 
-/// Adds each sight of the bar.
+/// Adds each sight of the bar. Its length is certified, so that a board's pitch no longer counts.
 void add_bar(const LampFieldFiles& files, const CellSettings& cell,
              const VisionCalibration& uncompensated, LaidDots& laid) {
   const std::vector<Fiducial> bar = read_bar(files.bar);
@@ -98,6 +98,7 @@ void add_bar(const LampFieldFiles& files, const CellSettings& cell,
   for (const std::filesystem::path& image : files.images)
     for (const BarSight& seen : see_bars(saved_frames({image}, cell), uncompensated, bar))
       laid.lengths.push_back({seen.p_B, seen.sigma});
+  laid.pitch_known = false;
 }
 
 /// Adds each mark of the base where the pictures together show it.

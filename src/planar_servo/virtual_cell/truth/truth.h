@@ -97,11 +97,18 @@ struct ReferenceLampTruth {
   LampTruth lamp;
 };
 
+/// A lit disc at the tip of a tool, in the tool's frame.
+struct TipTruth {
+  Eigen::Vector3d p_T{0.0, 0.0, 0.0};
+  double diameter_m{0.005};
+};
+
 /// Positions on the tool in its own frame: origin at P in the lamps' plane, z up.
 struct ToolTruth {
   std::array<Eigen::Vector2d, 2> lamps_m;
   double lamp_height_m{0.0};  ///< of the lamps above z_B = 0 where P is at the base's axis
   Eigen::Vector3d reflector_m{0.0, 0.0, 0.0};
+  std::optional<TipTruth> tip{};
 };
 
 /// The tracker's station moves by velocity * t + settling * t / (t + half_time).

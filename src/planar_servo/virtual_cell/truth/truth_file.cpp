@@ -132,6 +132,10 @@ void list_fields(Fields& fields, ToolTruth& tool) {
   fields.numbers("lamp2_mm", tool.lamps_m[1], kMillimetre);
   fields.number("lamp_height_mm", tool.lamp_height_m, kMillimetre);
   fields.numbers("reflector_mm", tool.reflector_m, kMillimetre);
+  if (!fields.given("tip_mm", tool.tip.has_value())) return;
+  if (!tool.tip) tool.tip.emplace();
+  fields.numbers("tip_mm", tool.tip->p_T, kMillimetre);
+  fields.number("tip_diameter_mm", tool.tip->diameter_m, kMillimetre, Range::positive());
 }
 
 void list_station_drift(Fields& fields, std::optional<StationDriftTruth>& drift) {

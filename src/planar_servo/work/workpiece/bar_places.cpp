@@ -91,9 +91,9 @@ std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionC
   std::vector<BarStance> taken;
   std::size_t there = pictures_in(folder).size();
   while (there < wanted && !stop()) {
-    const std::string question =
-        fmt::format("{} of {} pictures of the bar; lay it with {}, then Enter, or end with q: ",
-                    there, wanted, words_of(next_stance(stances, taken, length)));
+    const std::string question = fmt::format(
+        "{} of {} pictures of the bar; lay it with {}, then Enter, or end with q: ", there, wanted,
+        words_of(next_stance(stances, taken, length)));
     if (person.is_attended() && person.ask(question) == "q") break;
     try {
       const std::vector<Frame> frames = whole_frames(camera, 1, std::nullopt);
