@@ -6,7 +6,7 @@ no_tracker.py BIN OUT [--like paper,ordinary] [--seeds N] [--poses N] [--lays N]
 Draws cells, records N poses and lays of a board that is printed larger than its pitch says, takes pictures of a bar of
 500 mm in eight places with four marks of the base (both known to 0.005 mm, and drawn so), learns the map with them, and
 moves to 25 places. Prints the true mean error of each cell, its part that a common shift, turn and scale explain, and what
-share lies within the stated 95 %.
+share of components of what is believed lies within the stated 95 %.
 """
 import argparse
 import csv
@@ -98,9 +98,8 @@ def errors_of(cell, rng):
     number = lambda row, key: float(row[key])
     off = [(number(r, "x_mm"), number(r, "y_mm"), number(r, "after_truth_dx_mm"), number(r, "after_truth_dy_mm"))
            for r in rows]
-    radius_95 = 2.4477  # of two dimensions, in standard deviations per axis
-    within = statistics.mean(math.hypot(dx, dy) < radius_95 * number(r, "uncertainty_mm")
-                             for r, (_, _, dx, dy) in zip(rows, off))
+    within = statistics.mean(abs(number(row, f"believed_{axis}_mm")) < 1.96 * number(row, "uncertainty_mm")
+                             for row in rows for axis in ("dx", "dy"))  # what is believed less the truth
     return off, within
 
 

@@ -7,6 +7,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -25,6 +26,19 @@ TEST_CASE("A virtual cell in order only lacks the files that are not made yet") 
   }
   CHECK(findings.back().where == "tracker");
   CHECK_THAT(findings.back().fault, Contains("virtual") && Contains("no device to examine"));
+}
+
+TEST_CASE("The levels of two lamps in view are shown, and judged where they are cut") {
+  const auto devices = open_cell(read_cell(test::paper_cell_file()));
+  const auto findings = examine_lamps(devices->camera());
+  REQUIRE(findings.size() == 2);
+  for (const Finding& finding : findings) {
+    CHECK_THAT(finding.where, Contains("lamp at ("));
+    CHECK_THAT(finding.fault, Contains("levels 0 [") && Contains("ambient 1"));
+    CHECK(finding.verdict == Verdict::kWell);
+  }
+  devices->camera().set_exposure({1.0, 0.0});  // 100 times the usual light
+  CHECK_THAT(examine_lamps(devices->camera()).at(0).remedy, Contains("expose less"));
 }
 
 TEST_CASE("A cell file with faults is refused with all of them") {

@@ -34,3 +34,27 @@ status=0
 put 250,409.8,180
 expect 1 "nobody knows which is the bar.s other end" "${certify[@]}" --out several
 expect 2 "needs --bar" "$bin/planar-certify" --cell cell/cell.yaml --by scale-bar --out made
+
+# The same bar enters the calibration: pictures are taken into a folder, and the map says what fixed its scale.
+cp bare_truth.yaml cell/truth.yaml
+for at in 100,150,0 -400,150,0 -150,-250,85; do
+  cp bare_truth.yaml cell/truth.yaml
+  put "$at"
+  "$bin/planar-record" -q --cell cell/cell.yaml --bar bar.csv --bar-places 3 --out bar </dev/null
+done
+[ -e bar/bar_02.png ] || fail "three calls took $(ls bar)"
+cp bare_truth.yaml cell/truth.yaml
+expect 1 "found nowhere" "$bin/planar-record" -q --cell cell/cell.yaml --bar bar.csv --bar-places 4 --out bar
+"$bin/planar-locate-lamps" -q --cell cell/cell.yaml --report none -o lamps.csv "$2/recording"
+"$bin/planar-pair-tracker" -q --cell cell/cell.yaml --lamps lamps.csv --recording "$2/recording" --workplane-out cell/workplane.yaml \
+  --tool-out cell/tool.yaml --report none -o pairs.csv
+fit=("$bin/planar-fit-error-map" -q --cell cell/cell.yaml --report none)
+"${fit[@]}" --bar bar.csv --image bar/bar_*.png -o with_bar.yaml --json fit.json pairs.csv
+python3 - <<'END' || fail "the bar is no source: $(cat fit.json)"
+import json
+fit = json.load(open("fit.json"))
+assert {"source": "bar", "amount": "3 places"}.items() <= fit["sources"][-1].items(), fit["sources"]
+END
+grep -q "role: bar" with_bar.yaml || fail "the map does not say that it was made with the bar"
+expect 2 "give whole pictures" "${fit[@]}" --bar bar.csv -o made pairs.csv
+expect 2 "none of the 2 marks of the base is seen" "${fit[@]}" --marks bar.csv --image bar/bar_00.png -o made pairs.csv
