@@ -70,5 +70,30 @@ TEST_CASE("Virtual devices behave as the truth says, whatever the cell file says
   CHECK(moved.tool_L == stated.tool_L);
 }
 
+TEST_CASE(
+    "A virtual arm that truly touches an obstacle stops with lost steps and says what touches") {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path paper = test::paper_cell_file();
+  folder.write("truth.yaml", read_file(paper.parent_path() / "truth.yaml"));
+  std::string text =
+      test::replaced(read_file(paper), "keep_out: []",
+                     "keep_out: [], obstacles: [{name: post, x_mm: 0, y_mm: 450, radius_mm: 30}]");
+  text = test::replaced(text, "arm: {", "arm: {link_width_mm: [60, 50], ");
+  const auto devices = open_cell(read_cell(folder.write("cell.yaml", text)));
+  DriveGroup& drives = devices->drives();
+  drives.energize();
+  REQUIRE(drives.status()[0].faults.empty());
+  // Counterclockwise past the post, which nobody planned.
+  drives.set_targets({drives.status()[0].position_pulses - 500000, drives.status()[1].target_pulses,
+                      drives.status()[2].target_pulses});
+  for (int i = 0; i < 4000 && drives.status()[0].faults.empty(); ++i)
+    devices->clock().sleep_for_s(0.005);
+  const auto status = drives.status();
+  REQUIRE(status[2].faults.size() == 1);
+  CHECK_THAT(status[2].faults[0], Catch::Contains("touches the obstacle post"));
+  CHECK_FALSE(status[0].moving);
+  CHECK_FALSE(status[0].position_certain);
+}
+
 }  // namespace
 }  // namespace planar

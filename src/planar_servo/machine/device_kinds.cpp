@@ -9,6 +9,7 @@
 #include "planar_servo/hardware/drives/drive_kinds.h"
 #include "planar_servo/hardware/links/link_kinds.h"
 #include "planar_servo/machine/plausibility.h"
+#include "planar_servo/machine/touching_drives.h"
 #include "planar_servo/machine/trackers/tracker_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
@@ -124,8 +125,8 @@ class VirtualDriveKind final : public DriveKind {
     motor.home = HomeReference::kReverseSwitch;
     motor.home_rad = motors[static_cast<Eigen::Index>(joint)];
   }
-  std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/,
-                                   const World& world) const override {
+  std::shared_ptr<DriveGroup> open(const CellSettings& cell, const World& world) const override {
+    if (!cell.workspace.barriers.empty()) return std::make_shared<TouchingDrives>(cell, world);
     return {world, &world->drives()};
   }
   std::vector<Finding> examine(const CellSettings& cell) const override {

@@ -300,4 +300,8 @@ TipPose VirtualArm::tip() {
   return {tool.translation().head<2>(), std::atan2(lamps.y(), lamps.x())};
 }
 
+Eigen::Vector2d VirtualArm::elbow() {
+  return link_lengths_m()[0] * rotation2d(directions_rad(joints_rad())[0]).col(0);
+}
+
 }  // namespace planar

@@ -90,6 +90,9 @@ class VirtualArm {
   /// estimators.
   TipPose tip();
 
+  /// Returns where the axis of joint 2 is, but for thousandths of a millimetre.
+  Eigen::Vector2d elbow();
+
  private:
   /// Returns the angles behind the reducers, warm as they are.
   Eigen::Vector3d joints_rad();

@@ -168,4 +168,8 @@ TipPose VirtualCell::true_tip() const {
   return impl_->arm.tip();
 }
 
+Eigen::Vector2d VirtualCell::true_elbow() const {
+  return impl_->arm.elbow();
+}
+
 }  // namespace planar

@@ -77,6 +77,9 @@ class VirtualCell {
   /// the direction from lamp 1 to lamp 2.
   TipPose true_tip() const;
 
+  /// Returns the true place of the elbow in the base frame, for what the arm may touch.
+  Eigen::Vector2d true_elbow() const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

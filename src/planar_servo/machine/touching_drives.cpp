@@ -1,0 +1,38 @@
+#include "planar_servo/machine/touching_drives.h"
+
+#include <fmt/format.h>
+
+#include "planar_servo/geometry/arm/clearance.h"
+
+namespace planar {
+
+TouchingDrives::TouchingDrives(const CellSettings& cell, std::shared_ptr<VirtualCell> world)
+    : world_(std::move(world)),
+      drives_(world_->drives()),
+      body_(cell.arm.geometry.body),
+      barriers_(cell.workspace.barriers) {
+  body_.clearance_m = 0.0;
+}
+
+void TouchingDrives::energize() {
+  touched_.clear();
+  drives_.energize();
+}
+
+std::array<DriveStatus, 3> TouchingDrives::status() {
+  const ArmGap nearest = smallest_gap(body_, barriers_, world_->true_elbow(), world_->true_tip().p);
+  if (touched_.empty() && nearest.gap_m < 0.0) {
+    touched_ =
+        fmt::format("{} touches the obstacle {}", nearest.part, barriers_[nearest.barrier].name);
+    drives_.halt();
+  }
+  std::array<DriveStatus, 3> status = drives_.status();
+  if (!touched_.empty())
+    for (DriveStatus& drive : status) {
+      drive.faults.push_back(touched_);
+      drive.position_certain = false;
+    }
+  return status;
+}
+
+}  // namespace planar
