@@ -93,7 +93,8 @@ TEST_CASE("Without a tracker a board and poses give the end point but for the tu
   CHECK(off.colwise().norm().mean() < 6e-6);
 }
 
-TEST_CASE("A bar shows a field's scale as far as its length is certain; marks its turn and shift") {
+TEST_CASE(
+    "A bar shows a field's scale as far as its length is certain, and marks its turn and shift") {
   const test::BentCell cell;
   std::mt19937 random(4);
   constexpr double kLarge = 1e-4;  // ten times the bar's deviation as a share of its length

@@ -23,7 +23,7 @@ done
 [ "$(grep -c . listed.txt)" -eq "$(find "$bin" -name 'planar-*' | grep -c .)" ] || fail "$(cat listed.txt)"
 "$bin/planar" help record | cmp - <("$bin/planar-record" --help) || fail "planar help record"
 "$bin/planar" record --version | cmp - <("$bin/planar-record" --version) || fail "planar record --version"
-expect 2 "^planar-record: --cell, --plan, --out are required; --help" "$bin/planar" record
+expect 2 "^planar-record: --cell, --out are required; --help" "$bin/planar" record
 for how in recrod "help recrod" "recrod --cell cell/cell.yaml"; do
   # shellcheck disable=SC2086
   expect 2 "^planar: there is no command 'recrod' \(did you mean record\?\); planar --help lists the commands" \
@@ -194,7 +194,7 @@ expect 2 "there is no folder 'absent'" "$bin/planar-pair-tracker" --cell cell/ce
   --lamps same.csv --recording cell --workplane-out made --tool-out absent/tool.yaml -o pairs.csv
 
 # All required options that are missing are named at once, a subcommand's own ones as well.
-expect 2 "^planar-record: --cell, --plan, --out are required; --help" "$bin/planar-record"
+expect 2 "^planar-record: --cell, --out are required; --help" "$bin/planar-record"
 expect 2 "^planar-check-error-map: map, pairs are required;" "$bin/planar-check-error-map"
 expect 2 "^planar-virtual-cell: --seed, --out are required;" "$bin/planar-virtual-cell" draw
 expect 2 "^planar-virtual-cell: needs a subcommand: draw or put or serve; --help" "$bin/planar-virtual-cell"

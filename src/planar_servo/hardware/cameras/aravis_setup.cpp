@@ -84,7 +84,7 @@ std::string word_of(ArvCamera* camera, const char* feature, const std::string& s
           }),
       g_free);
   for (guint i = 0; i < n; ++i)
-    if (const std::string word = words.get()[i]; word.rfind(stem, 0) == 0) return word;
+    if (std::string word = words.get()[i]; word.rfind(stem, 0) == 0) return word;
   throw WorkError(fmt::format("the camera's {} cannot be {}", feature, stem));
 }
 

@@ -136,8 +136,11 @@ RshConnection::RshConnection(const LinuxcncHost& host) {
     send("set echo off");
     while (hear(0.05)) {
     }
-    if (ask("set verbose on").rfind("SET VERBOSE ACK", 0) != 0)
-      fail("it is no linuxcncrsh", kStart);
+    constexpr int kTries = 3;  // an answer may be another connection's
+    bool is_verbose = false;
+    for (int i = 0; i < kTries && !is_verbose; ++i)
+      is_verbose = ask("set verbose on").rfind("SET VERBOSE ACK", 0) == 0;
+    if (!is_verbose) fail("it is no linuxcncrsh", kStart);
   } catch (...) {
     close(socket_);
     throw;
