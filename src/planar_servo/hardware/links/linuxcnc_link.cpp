@@ -28,7 +28,9 @@ namespace {
 /// another is being read is mistaken for it.
 constexpr std::chrono::milliseconds kApart{5};
 /// linuxcncrsh acknowledges after 0.1 s what it has obeyed at once.
-constexpr double kAnswer_s = 1.0;
+constexpr double kAnswer_s = 1.0, kLateAnswer_s = 0.2;
+/// A move that has not begun as long after the order to stop does not begin any more.
+constexpr std::chrono::milliseconds kLostAnswer{1000};
 /// Joints that have not moved by a count for this long, with nothing left to do, rest.
 constexpr std::chrono::milliseconds kStill{40};
 constexpr std::chrono::milliseconds kStopRepeat{40};
@@ -277,7 +279,12 @@ void LinuxcncLink::set(const std::string& what) {
 
 void LinuxcncLink::take_control() {
   hear_mover(kAnswer_s);
-  if (awaits_mover_) throw WorkError("LinuxCNC has not acknowledged the last move");
+  if (awaits_mover_) {  // another connection's answer took its place
+    mover_.get("enable");
+    while (mover_.hear(kLateAnswer_s)) {
+    }
+    awaits_mover_ = false;
+  }
   if (!controls_) set("enable " + host_.enable_password);
   controls_ = true;
 }
@@ -356,6 +363,7 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   awaits_mover_ = true;
   target_ = counts;
   told_to_stop_.reset();
+  stopping_since_.reset();
   rest_.reset();
 }
 
@@ -363,6 +371,7 @@ void LinuxcncLink::stop() {
   say(stopper_.descriptor(), stop_words(host_));
   std::this_thread::sleep_for(kApart);
   told_to_stop_ = Clock::now();
+  if (!stopping_since_) stopping_since_ = told_to_stop_;
   homing_joint_.reset();
   target_.reset();
   controls_ = false;
@@ -432,7 +441,9 @@ MachineState LinuxcncLink::read() {
   state.losses = losses_;
   const bool is_idle = reader_.get("program_status").find("IDLE") != std::string::npos;
   const bool is_there = target_ && (here_ - *target_).cwiseAbs().maxCoeff() <= kInPosition_counts;
-  state.moving = state.on && (!is_idle || now - changed_ < kStill || (awaits_mover_ && !is_there));
+  const bool may_begin =
+      awaits_mover_ && !is_there && (!stopping_since_ || now - *stopping_since_ < kLostAnswer);
+  state.moving = state.on && (!is_idle || now - changed_ < kStill || may_begin);
   if (homing_joint_) {
     const std::string homed = reader_.get(fmt::format("joint_homed {}", *homing_joint_));
     state.homing = state.on && homed.find("YES") == std::string::npos;
@@ -444,6 +455,7 @@ MachineState LinuxcncLink::read() {
   if (state.moving && told_to_stop_ && now - *told_to_stop_ > kStopRepeat) stop();
   if (state.moving) return state;
   told_to_stop_.reset();
+  stopping_since_.reset();
   if (!rest_) check_control();
   if (!rest_) rest_ = here_;
   if ((*rest_ - here_).cwiseAbs().maxCoeff() > kInPosition_counts && state.on)

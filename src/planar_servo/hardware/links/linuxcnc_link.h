@@ -121,7 +121,8 @@ class LinuxcncLink final : public MachineLink {
   Pulses here_{0, 0, 0};
   std::optional<Pulses> rest_;  ///< where the joints rest until they are told to move
   Clock::time_point changed_;
-  std::optional<Clock::time_point> told_to_stop_;  ///< until it rests
+  std::optional<Clock::time_point> told_to_stop_;    ///< until it rests
+  std::optional<Clock::time_point> stopping_since_;  ///< the first time of that
   int losses_{0};
   bool was_switched_on_{false};  ///< by this program
   bool was_on_{false};
