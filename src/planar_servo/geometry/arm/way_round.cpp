@@ -125,11 +125,13 @@ std::vector<Joints> JointPlanner::way_on_grid(const Joints& from, const Joints& 
   const bool rides = transmission_.coupling_matrix()(1, 0) != 0.0;
   // No part moves farther than this from the middle of a cell to its edge.
   const double reach_m = 0.5 * step * (lengths[0] + (rides ? 2.0 : 1.0) * lengths[1]);
+  const Cell goal{static_cast<int>(std::lround((end[0] - begin[0]) / step)),
+                  static_cast<int>(std::lround((end[1] - begin[1]) / step))};
+  // The middle of a cell, but of the last one the end itself, which may be free where that is not.
   const auto joints_at = [&](const Cell& cell) {
-    Joints theta = transmission_.joints_from_motors(
-        {begin[0] + step * cell.i, begin[1] + step * cell.j, begin[2]});
-    theta[2] = from[2];
-    return theta;
+    const Eigen::Vector2d middle(begin[0] + step * cell.i, begin[1] + step * cell.j);
+    const Eigen::Vector2d at = cell == goal ? Eigen::Vector2d(end.head<2>()) : middle;
+    return transmission_.joints_from_motors({at[0], at[1], begin[2]});  // within motor 3's limits
   };
   const auto borders = workspace_.borders();
   const auto freedom_of = [&](const Cell& cell) {
@@ -138,13 +140,12 @@ std::vector<Joints> JointPlanner::way_on_grid(const Joints& from, const Joints& 
     double room_m = gap(theta).gap_m;
     const Eigen::Vector2d p = arm_.forward(theta).p;
     for (const Border& border : borders) room_m = std::min(room_m, -border.depth_m(p));
-    return room_m > reach_m ? Freedom::kWhole : room_m > 0.0 ? Freedom::kMiddle : Freedom::kNone;
+    if (room_m > reach_m && !(cell == goal)) return Freedom::kWhole;
+    return room_m > 0.0 ? Freedom::kMiddle : Freedom::kNone;
   };
   const auto may_pass = [&](const Cell& a, const Cell& b) {
     return !sweep_refusal(joints_at(a), joints_at(b));
   };
-  const Cell goal{static_cast<int>(std::lround((end[0] - begin[0]) / step)),
-                  static_cast<int>(std::lround((end[1] - begin[1]) / step))};
   const std::vector<Cell> cells = CellSearch(freedom_of, may_pass).way_to(goal);
   if (cells.empty()) return {};
   std::vector<Joints> rests{from};
