@@ -24,8 +24,7 @@ SteadyTime::time_point after(double patience_s) {
                                  std::chrono::duration<double>(patience_s));
 }
 
-}  // namespace
-
+/// Returns whether a descriptor has something to read, or has ended, within the time.
 bool readable_within(int descriptor, double patience_s) {
   const auto until = after(patience_s);
   for (;;) {
@@ -35,6 +34,8 @@ bool readable_within(int descriptor, double patience_s) {
     if (found >= 0 || errno != EINTR) return found > 0;
   }
 }
+
+}  // namespace
 
 bool LineReader::hear(double patience_s) {
   if (ended_ || !readable_within(descriptor_, patience_s)) return false;

@@ -5,12 +5,8 @@
 
 namespace planar {
 
-/// Returns whether a descriptor has something to read, or has ended, within the time. A signal does
-/// not end the wait.
-bool readable_within(int descriptor, double patience_s);
-
 /// Reads lines from a pipe or a socket as they come. Lines end with CR, LF or both; empty ones are
-/// passed over.
+/// passed over. A signal does not end a wait.
 class LineReader {
  public:
   /// The descriptor must stay open as long as this lives.
@@ -26,8 +22,6 @@ class LineReader {
   bool ended() const { return ended_; }
   /// Returns whether more has come than any line has.
   bool is_endless() const;
-  /// Returns what has come of a line that is not whole.
-  const std::string& begun() const { return heard_; }
 
  private:
   bool hear(double patience_s);

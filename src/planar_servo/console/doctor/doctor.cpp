@@ -135,22 +135,6 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
   }
 }
 
-/// Judges how a lamp's picture uses the grey levels.
-Finding judge_levels(const LampLevels& levels, const std::string& lamp) {
-  // A dark side is clipped where the black level is less than the noise's deviation above 0; the
-  // other bounds are those of jogging's `exposure`.
-  constexpr double kMostDark = 0.16, kMostClipped = 0.02;
-  constexpr int kLeastLit = 128;
-  std::string remedy;
-  if (levels.dark_share > kMostDark)
-    remedy = "raise the camera's BlackLevel by the maker's program: the dark side of rims is cut";
-  else if (levels.clipped_share > kMostClipped)
-    remedy = "expose less: camera.exposure_us";
-  else if (levels.lit < kLeastLit)
-    remedy = "expose more: camera.exposure_us";
-  return {{levels.text(), remedy, lamp}, remedy.empty() ? Verdict::kWell : Verdict::kDoubtful};
-}
-
 constexpr Named<Finding::Verdict> kVerdicts[] = {{Finding::Verdict::kWell, "well"},
                                                  {Finding::Verdict::kDoubtful, "doubtful"},
                                                  {Finding::Verdict::kFaulty, "faulty"}};
@@ -220,9 +204,11 @@ std::vector<Finding> examine_lamps(FrameSource& camera) {
     const cv::Mat& image = seen.frame.image;
     const cv::Rect around =
         window_round(lamp.uv_px, 1.5 * lamp.diameter_px) & cv::Rect({}, image.size());
+    const LampLevels levels = read_lamp_levels(image(around));
     findings.push_back(
-        judge_levels(read_lamp_levels(image(around)),
-                     fmt::format("lamp at ({:.0f}, {:.0f}) px", lamp.uv_px.x(), lamp.uv_px.y())));
+        {{levels.text(), levels.remedy(),
+          fmt::format("lamp at ({:.0f}, {:.0f}) px", lamp.uv_px.x(), lamp.uv_px.y())},
+         levels.remedy().empty() ? Finding::Verdict::kWell : Finding::Verdict::kDoubtful});
   }
   return findings;
 }
@@ -231,7 +217,7 @@ std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
   const CellSettings cell = read_cell(cell_file);
   require_devices(cell);
   std::vector<Finding> findings{
-      {{cell_file.string() + " is in order", "", "cell file"}, Finding::Finding::Verdict::kWell}};
+      {{cell_file.string() + " is in order", "", "cell file"}, Finding::Verdict::kWell}};
   for (Finding& finding : question_values(cell)) findings.push_back(std::move(finding));
   for (Finding& finding : examine_files(cell)) findings.push_back(std::move(finding));
   if (is_sound(findings))

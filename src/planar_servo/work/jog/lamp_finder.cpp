@@ -170,6 +170,15 @@ LampLevels read_lamp_levels(const cv::Mat& image) {
           bars_of(counts, pixels)};
 }
 
+std::string LampLevels::remedy() const {
+  // Above this share the black level is less than the noise's deviation above 0.
+  constexpr double kMostDark = 0.16;
+  if (dark_share > kMostDark)
+    return "raise the camera's BlackLevel by the maker's program: the dark side of rims is cut";
+  if (clipped_share > kMostSaturated) return "expose less: camera.exposure_us";
+  return lit < kLeastPeak ? "expose more: camera.exposure_us" : "";
+}
+
 std::string LampLevels::text() const {
   return fmt::format(
       "levels 0 [{}] 255: ambient {}, lit {}; at 0: {:.0f} % of what is around, at "

@@ -38,6 +38,8 @@ struct LampLevels {
   std::string bars;           ///< a bar for each 16 levels, as high as the logarithm of its share
 
   std::string text() const;
+  /// Says what to change; empty where nothing is cut and half of the levels are used.
+  std::string remedy() const;
 };
 
 /// Returns the levels of an image of one lamp, CV_8UC1. The lamp is what lies above the middle
