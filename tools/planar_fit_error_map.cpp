@@ -17,6 +17,7 @@
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
+#include "planar_servo/offline/saved_frames.h"
 #include "program.h"
 
 namespace planar {
@@ -96,7 +97,9 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
   const SteadyClock clock;
   const double begin_s = clock.now_s();
   const LampFieldFit fit = learn_lamp_field(
-      files, cell, vision, [&](const char* phase, double share) { bar.show(phase, share); });
+      files, cell, vision,
+      [&](const std::filesystem::path& image) { return saved_frames({image}, cell); },
+      [&](const char* phase, double share) { bar.show(phase, share); });
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
   warn_of(objection(fit.quality()), options.output);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -43,10 +44,16 @@ struct LampFieldFiles {
   std::vector<MadeFile> inputs() const;
 };
 
-/// Learns the field of a cell whose camera, workplane and tool are `vision`. Throws what reading
-/// the tables and fit_lamp_field() throw.
+/// Reads the frames of a picture. Passed by programs, so that what learns from tables alone loads
+/// no decoders of pictures.
+using PictureReader = std::function<std::vector<Frame>(const std::filesystem::path&)>;
+
+/// Learns the field of a cell whose camera, workplane and tool are `vision`; `read_picture` is
+/// called for the files' images. Throws what reading the tables and fit_lamp_field() throw.
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
-                              const VisionCalibration& vision, const Progress& progress = {});
+                              const VisionCalibration& vision,
+                              const PictureReader& read_picture = {},
+                              const Progress& progress = {});
 
 /// Writes what was learned, with what it was made from.
 void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
