@@ -1,12 +1,33 @@
-# planar_install_library(EXCEPT ROOM...): what `cmake --install BUILD --component library` hands to
-# other projects: one static library per room but these, their headers, and the package planar_servo
-# with a target planar_servo::ROOM for each and planar_servo::planar_servo for all. `--component api`
-# has Doxygen make the pages of those headers.
+# planar_install_library(EXCEPT ROOM... HEADERS FOLDER...): what `cmake --install BUILD --component
+# library` hands to other projects: one static library per room but these, the headers directly in
+# these folders with all that they include, and the package planar_servo with a target
+# planar_servo::ROOM for each and planar_servo::planar_servo for all. `--component api` has Doxygen
+# make the pages of those headers.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
+# planar_public_headers(VARIABLE FOLDER...): the headers directly in these folders of planar_servo and
+# all that they include, relative to src.
+function(planar_public_headers variable)
+  set(src ${PROJECT_SOURCE_DIR}/src)
+  list(TRANSFORM ARGN REPLACE "(.+)" "${src}/planar_servo/\\1/*.h")
+  file(GLOB open CONFIGURE_DEPENDS RELATIVE ${src} ${ARGN})
+  set(headers "")
+  while(open)
+    list(POP_FRONT open header)
+    if(header IN_LIST headers)
+      continue()
+    endif()
+    list(APPEND headers ${header})
+    file(STRINGS ${src}/${header} included REGEX "^#include \"planar_servo/")
+    list(TRANSFORM included REPLACE "^#include \"(.*)\".*" "\\1")
+    list(APPEND open ${included})
+  endwhile()
+  set(${variable} ${headers} PARENT_SCOPE)
+endfunction()
+
 function(planar_install_library)
-  cmake_parse_arguments(LIBRARY "" "" "EXCEPT" ${ARGN})
+  cmake_parse_arguments(LIBRARY "" "" "EXCEPT;HEADERS" ${ARGN})
   get_property(rooms GLOBAL PROPERTY PLANAR_ROOMS)
   list(REMOVE_ITEM rooms ${LIBRARY_EXCEPT})
   set(package ${CMAKE_INSTALL_LIBDIR}/cmake/planar_servo)
@@ -19,10 +40,13 @@ function(planar_install_library)
     set_target_properties(planar_${room} PROPERTIES EXPORT_NAME ${room})
     target_link_libraries(planar_library INTERFACE planar_${room})
     list(APPEND targets planar_${room})
-    set(folder ${PROJECT_SOURCE_DIR}/src/planar_servo/${room})
-    string(APPEND DOXYGEN_INPUT " \"${folder}\"")
-    install(DIRECTORY ${folder} COMPONENT library
-            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/planar_servo FILES_MATCHING PATTERN *.h)
+  endforeach()
+  planar_public_headers(headers ${LIBRARY_HEADERS})
+  foreach(header ${headers})
+    string(APPEND DOXYGEN_INPUT " \"${PROJECT_SOURCE_DIR}/src/${header}\"")
+    cmake_path(GET header PARENT_PATH folder)
+    install(FILES ${PROJECT_SOURCE_DIR}/src/${header} COMPONENT library
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder})
   endforeach()
   install(TARGETS ${targets} EXPORT planar_servo COMPONENT library
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/planar_servo

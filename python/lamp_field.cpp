@@ -14,6 +14,7 @@
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
+#include "planar_servo/offline/saved_frames.h"
 
 namespace planar::python {
 namespace {
@@ -44,16 +45,37 @@ py::object compensate_places(const LampField& field, const py::object& lamps_B) 
                         lamps.is_single ? py::object(inside[py::int_(0)]) : py::object(inside));
 }
 
+double deviation(const char* argument, double value) {
+  if (finite(argument, value) > 0.0) return value;
+  throw InputError({fmt::format("is {:g}", value), "a deviation above 0 is needed", argument});
+}
+
 /// Learns the field as planar-fit-error-map --cell does.
 LampFieldFit learn_field(const fs::path& cell_path, const fs::path& pairs,
-                         const std::optional<fs::path>& lays, const std::optional<fs::path>& map,
+                         const std::optional<fs::path>& lays, const std::optional<fs::path>& bar,
+                         double bar_sigma, const std::optional<fs::path>& marks, double marks_sigma,
+                         const py::list& pictures, const std::optional<fs::path>& map,
                          const std::optional<fs::path>& arm) {
-  const py::gil_scoped_release release;
   if (arm && !map)
     throw InputError({"is written together with the map alone", "name map, too", "arm"});
+  if ((bar || marks) == pictures.empty())
+    throw InputError(
+        {"are needed with bar or marks, and only then", "give whole pictures of them", "pictures"});
+  LampFieldFiles files{pairs, lays.value_or(""), map.value_or(""), arm.value_or("")};
+  files.bar = bar.value_or("");
+  files.marks = marks.value_or("");
+  files.bar_sigma = deviation("bar_sigma", bar_sigma);
+  files.marks_sigma = deviation("marks_sigma", marks_sigma);
+  std::vector<cv::Mat> images;
+  for (const py::handle& picture : pictures)
+    images.push_back(image_of("pictures", py::reinterpret_borrow<py::object>(picture)));
+  const py::gil_scoped_release release;
   const CellSettings cell = read_cell(cell_path);
-  const LampFieldFiles files{pairs, lays.value_or(""), map.value_or(""), arm.value_or("")};
-  require_outputs({{files.map, "map"}, {files.arm, "arm"}}, {cell_path, files.pairs, files.lays});
+  for (const cv::Mat& image : images)
+    files.pictures.emplace_back(
+        [frame = whole_frame(image, cell, "pictures")] { return std::vector<Frame>{frame}; });
+  require_outputs({{files.map, "map"}, {files.arm, "arm"}},
+                  {cell_path, files.pairs, files.lays, files.bar, files.marks});
   const VisionCalibration vision = read_vision(cell, false);
   require_belonging(contradictions(files.inputs(), origins_in(cell, calibration_files(cell, false)),
                                    values_of(kRoles)));
@@ -96,9 +118,16 @@ void bind_lamp_field(py::module_& m) {
       });
   m.def(
       "fit_lamp_field", &learn_field, py::arg("cell"), py::arg("pairs"), py::kw_only(),
-      py::arg("lays") = py::none(), py::arg("map") = py::none(), py::arg("arm") = py::none(),
+      py::arg("lays") = py::none(), py::arg("bar") = py::none(), py::arg("bar_sigma") = 5e-6,
+      py::arg("marks") = py::none(), py::arg("marks_sigma") = 2e-5,
+      py::arg("pictures") = py::list(), py::arg("map") = py::none(), py::arg("arm") = py::none(),
       "Fits the field at the lamps together with the arm of a cell to its pairs.csv and, if any,\n"
-      "its lays.csv, as planar-fit-error-map --cell does. map and arm are files to write.");
+      "its lays.csv, as planar-fit-error-map --cell does. bar and marks are tables of the two "
+      "marks\n"
+      "of a bar of certified length and of the base's marks, pictures the whole pictures that "
+      "show\n"
+      "them; bar_sigma and marks_sigma are the deviations of the length and of a mark's place per\n"
+      "axis, metres. map and arm are files to write.");
 }
 
 }  // namespace planar::python

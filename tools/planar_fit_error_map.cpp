@@ -75,7 +75,6 @@ LampFieldFiles files_of(const Options& options) {
   files.marks = options.marks;
   files.bar_sigma = options.bar_sigma_mm * kMillimetre;
   files.marks_sigma = options.marks_sigma_mm * kMillimetre;
-  files.images = options.images;
   return files;
 }
 
@@ -88,8 +87,10 @@ void warn_of(const std::optional<Refusal>& objection, const std::filesystem::pat
 
 /// Learns the error at the lamps together with the arm.
 Outcome fit_with_cell(const Options& options, const std::optional<std::filesystem::path>& page) {
-  const LampFieldFiles files = files_of(options);
+  LampFieldFiles files = files_of(options);
   const CellSettings cell = read_cell(options.cell);
+  for (const std::filesystem::path& image : options.images)
+    files.pictures.emplace_back([image, &cell] { return saved_frames({image}, cell); });
   const VisionCalibration vision = read_vision(cell, false);
   require_belonging(contradictions(files.inputs(), origins_in(cell, calibration_files(cell, false)),
                                    values_of(kRoles)));
@@ -97,9 +98,7 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
   const SteadyClock clock;
   const double begin_s = clock.now_s();
   const LampFieldFit fit = learn_lamp_field(
-      files, cell, vision,
-      [&](const std::filesystem::path& image) { return saved_frames({image}, cell); },
-      [&](const char* phase, double share) { bar.show(phase, share); });
+      files, cell, vision, [&](const char* phase, double share) { bar.show(phase, share); });
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
   warn_of(objection(fit.quality()), options.output);

@@ -28,7 +28,7 @@ const ProgramText kText{
 
 struct Options {
   std::filesystem::path cell, plan, bar;
-  std::size_t bar_places{8};
+  std::size_t bar_places{kBarPlaces};
   RecordRequest request;
   std::string grid;  ///< empty: none
   std::string display{"none"};
@@ -43,10 +43,11 @@ void add_options(CLI::App& app, Options& options) {
   add_required(app, "--out", options.request.recording, "DIR",
                "folder of the recording; a recording that was begun is continued");
   add_homing_options(app, options.homing);
-  add_value(app, "--grid", options.grid, "BOARD",
-            "the board that a person shows to a real cell's camera: circles or chessboard, such "
-            "as circles:11x11:50mm; ? for a pitch that is not known");
-  add_choice(
+  CLI::Option* grid = add_value(
+      app, "--grid", options.grid, "BOARD",
+      "the board that a person shows to a real cell's camera: circles or chessboard, such "
+      "as circles:11x11:50mm; ? for a pitch that is not known");
+  CLI::Option* display = add_choice(
       app, "--display", options.display, names_of(kDisplayPolicies),
       "auto: draw a map of what is done and left, and what the camera sees of the board, into "
       "RECORDING/view.png; none");
@@ -54,7 +55,7 @@ void add_options(CLI::App& app, Options& options) {
       add_value(app, "--bar", options.bar, "bar.csv",
                 "take pictures of a bar of certified length instead, place by place, into "
                 "DIR/bar_NN.png; nothing moves");
-  bar->excludes(plan);
+  bar->excludes(plan)->excludes(grid)->excludes(display);
   app.add_option("--bar-places", options.bar_places, "how many places of the bar")
       ->needs(bar)
       ->check(within(1, 99))

@@ -40,11 +40,12 @@ struct Options {
   std::vector<fs::path> images;
 };
 
-void add_disc_options(CLI::App& app, Options& options) {
+void add_disc_options(CLI::App& app, Options& options, CLI::Option* check) {
   auto* seen = app.add_option("--seen", options.seen,
                               "the tip shows this disc to the camera: its place follows from "
                               "pictures, and no mark is needed")
                    ->check(CLI::IsMember({"bright_disc", "dark_disc"}))
+                   ->excludes(check)
                    ->type_name("KIND");
   const auto add = [&](const char* name, double& value, const char* type, const char* text) {
     return app.add_option(name, value, text)->needs(seen)->type_name(type);
@@ -67,8 +68,9 @@ void add_options(CLI::App& app, Options& options) {
   auto* what = app.add_option_group("what to do");
   add_value(*what, "-o,--out", options.out, "tool.yaml",
             "find the tip, and write its file, which the cell names under tools");
-  add_value(*what, "--check", options.check, "tool.yaml",
-            "say whether the tip still is where this file has it, by one pose at the same mark");
+  CLI::Option* check = add_value(
+      *what, "--check", options.check, "tool.yaml",
+      "say whether the tip still is where this file has it, by one pose at the same mark");
   what->require_option(1);
   add_value(app, "--poses", options.poses, "taught.csv",
             "places that planar-jog taught with the tip at one mark, in three directions or more; "
@@ -79,7 +81,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::PositiveNumber)
       ->type_name("S")
       ->capture_default_str();
-  add_disc_options(app, options);
+  add_disc_options(app, options, check);
 }
 
 /// Returns the poses of a table, or of a session that begins now and keeps them beside the file.

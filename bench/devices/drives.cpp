@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/devices/forwarding_drives.h"
 #include "planar_servo/hardware/drives/tic_drives.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
 #include "support/tic_bench.h"
@@ -25,38 +26,27 @@ using test::UsbFault;
 constexpr double kCommandTimeout_s = 0.25;
 constexpr double kPulsesPerRad = 2000.0;
 
-/// Passes everything on to the drives and notes when a status first tells of a fault.
-class WatchedDrives final : public DriveGroup {
+/// Notes when a status first tells of a fault, and the targets that are sent after that.
+class WatchedDrives final : public ForwardingDrives {
  public:
-  WatchedDrives(DriveGroup& drives, Clock& clock) : drives_(drives), clock_(clock) {}
+  WatchedDrives(DriveGroup& drives, Clock& clock) : ForwardingDrives(drives), clock_(clock) {}
 
   std::optional<double> detected_s;
   int targets_after{0};
 
-  void energize() override { drives_.energize(); }
-  void set_limits(const std::array<DriveLimits, 3>& limits) override { drives_.set_limits(limits); }
   void set_targets(const std::array<std::int32_t, 3>& targets) override {
     if (detected_s) ++targets_after;
-    drives_.set_targets(targets);
+    ForwardingDrives::set_targets(targets);
   }
-  void halt() override { drives_.halt(); }
   std::array<DriveStatus, 3> status() override {
-    const auto status = drives_.status();
+    const auto status = ForwardingDrives::status();
     const bool faulty = std::any_of(status.begin(), status.end(),
                                     [](const DriveStatus& drive) { return !drive.faults.empty(); });
     if (faulty && !detected_s) detected_s = clock_.now_s();
     return status;
   }
-  void start_homing(int joint, HomeDirection direction) override {
-    drives_.start_homing(joint, direction);
-  }
-  void set_position(int joint, std::int32_t pulses) override {
-    drives_.set_position(joint, pulses);
-  }
-  void reconnect() override { drives_.reconnect(); }
 
  private:
-  DriveGroup& drives_;
   Clock& clock_;
 };
 

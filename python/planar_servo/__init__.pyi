@@ -324,6 +324,11 @@ def fit_lamp_field(
     pairs: _Path,
     *,
     lays: _Path | None = None,
+    bar: _Path | None = None,
+    bar_sigma: float = ...,
+    marks: _Path | None = None,
+    marks_sigma: float = ...,
+    pictures: list[_Picture] = ...,
     map: _Path | None = None,
     arm: _Path | None = None,
 ) -> LampFieldFit: ...

@@ -97,6 +97,29 @@ TEST_CASE("A recording that was left before its first place is next") {
   CHECK(next_of(work_steps(cell, kUsualBoard)).name == "recording");
 }
 
+TEST_CASE("A bar and marks beside the cell file enter the fit of the map") {
+  const test::TemporaryFolder folder;
+  copy_workshop(folder);
+  const auto cell = folder / "cell.yaml";
+  const std::string marks =
+      "id,x_mm,y_mm,kind,size_mm\nA,0,0,bright_disc,5\nB,300,0,bright_disc,5\n";
+  folder.write("marks.csv", marks);
+  CHECK_THAT(named(work_steps(cell, kUsualBoard), "error map").what, Contains("was made without"));
+  folder.write("pairs.csv", "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\na,1,2,1,2\n");
+  CHECK(next_of(work_steps(cell, kUsualBoard)).name == "bar and marks");
+  CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).command,
+             Contains("bar/marks.png | planar-jog"));
+  folder.write("bar.csv", marks);
+  CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).what, Contains("0 of 8 pictures of"));
+  CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).command, Contains("planar-record --cell"));
+  std::filesystem::create_directory(folder / "bar");
+  for (const char digit : std::string("01234567"))
+    folder.write(std::string("bar/bar_0") + digit + ".png", "");
+  const WorkStep map = next_of(work_steps(cell, kUsualBoard));
+  CHECK(map.name == "error map");
+  CHECK_THAT(map.command, Contains(" --bar ") && Contains(" --marks ") && Contains("bar/*.png"));
+}
+
 TEST_CASE("A cell file with faults has no next step") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_AS(

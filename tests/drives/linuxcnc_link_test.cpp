@@ -284,6 +284,32 @@ class Wire {
   std::thread thread_;
 };
 
+TEST_CASE("A line to LinuxCNC that gets lost in a move is asked anew before the machine brakes") {
+  REQUIRE_LINUXCNC();
+  LinuxcncHost host = machine();
+  Wire wire(host);
+  LinkedDrives drives = drives_of(host);
+  make_ready(drives);
+  const Targets there{30000, -10000, 5000};
+  drives.set_targets(there);
+  wait(drives, 0.3);
+  for (int i = 0; i < 5; ++i) {
+    wire.state = Wire::State::kMute;
+    std::thread mended([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(30));
+      wire.state = Wire::State::kWhole;
+    });
+    CHECK(drives.status()[0].answers);
+    mended.join();
+  }
+  REQUIRE(all_rest(drives));
+  CHECK(positions(drives) == there);
+  CHECK(drives.status()[0].position_certain);
+  CHECK(drives.status()[0].faults.empty());
+  drives.set_targets({0, 0, 0});
+  REQUIRE(all_rest(drives));
+}
+
 TEST_CASE(
     "Whatever strikes LinuxCNC in a move is named, and positions are certain where they hold") {
   REQUIRE_LINUXCNC();

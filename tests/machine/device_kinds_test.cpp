@@ -32,8 +32,7 @@ class MadeUpKind final : public DriveKind {
     drive.whole_number("ratchet_teeth", details->ratchet_teeth, 3, 100);
     cell.drives[joint].details = details;
   }
-  std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/,
-                                   const std::shared_ptr<VirtualCell>& /*world*/) const override {
+  std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/) const override {
     return std::make_shared<SeparateDrives>(std::array<PulseDrive*, 3>{&mock_, &mock_, &mock_});
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override { return {}; }

@@ -62,7 +62,7 @@ class PlayedDevices final : public CellDevices {
  public:
   PlayedDevices(const CellSettings& virtual_cell, const CellSettings& cell, const Write& write)
       : whole_(open_cell(virtual_cell)),
-        tracker_(whole_->tracker(), cell.tracker.kind->open(cell, nullptr), write) {}
+        tracker_(whole_->tracker(), cell.tracker.kind->open(cell), write) {}
 
   Clock& clock() override { return whole_->clock(); }
   FrameSource& camera() override { return whole_->camera(); }

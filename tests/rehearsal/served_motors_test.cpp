@@ -81,7 +81,7 @@ TEST_CASE("Pulses of a served board turn the arm by the truth's gears, whatever 
   LiveCell live(truth, hardware);
   const ServedMotors motors(drawn.cell, drawn.folder / "port", live);
   const CellSettings cell = drawn.live();
-  const auto drives = cell.drives[0].kind->open(cell, nullptr);
+  const auto drives = cell.drives[0].kind->open(cell);
   drives->energize();
   for (int joint = 0; joint < 3; ++joint) {
     drives->start_homing(joint, HomeDirection::kReverse);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "planar_servo/base/devices/forwarding_drives.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/loop/vision/reference_lamps.h"
@@ -69,36 +70,18 @@ class WatchedCamera final : public FrameSource {
   const DeviceWatch& watch_;
 };
 
-class WatchedDrives final : public DriveGroup {
+class WatchedDrives final : public ForwardingDrives {
  public:
-  WatchedDrives(DriveGroup& drives, const DeviceWatch& watch) : drives_(drives), watch_(watch) {}
+  WatchedDrives(DriveGroup& drives, const DeviceWatch& watch)
+      : ForwardingDrives(drives), watch_(watch) {}
 
-  void energize() override { drives_.energize(); }
-  void set_limits(const std::array<DriveLimits, 3>& limits) override { drives_.set_limits(limits); }
-  void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override {
-    drives_.set_targets(targets_pulses);
-  }
-  void brake_towards(const std::array<std::int32_t, 3>& targets_pulses) override {
-    drives_.brake_towards(targets_pulses);
-  }
-  void halt() override { drives_.halt(); }
-  void forget_positions() override { drives_.forget_positions(); }
   std::array<DriveStatus, 3> status() override {
-    auto status = drives_.status();
+    auto status = ForwardingDrives::status();
     watch_.drives(status);
     return status;
   }
-  void start_homing(int joint, HomeDirection direction) override {
-    drives_.start_homing(joint, direction);
-  }
-  void set_position(int joint, std::int32_t position_pulses) override {
-    drives_.set_position(joint, position_pulses);
-  }
-  std::optional<std::string> stream_refusal() const override { return drives_.stream_refusal(); }
-  void reconnect() override { drives_.reconnect(); }
 
  private:
-  DriveGroup& drives_;
   const DeviceWatch& watch_;
 };
 

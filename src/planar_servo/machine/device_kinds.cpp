@@ -33,31 +33,48 @@ class TruthJudge final : public Judge {
   std::shared_ptr<VirtualCell> world_;
 };
 
-class OpenedDevices final : public CellDevices {
+class RealDevices final : public CellDevices {
  public:
-  OpenedDevices(const CellSettings& cell, const std::shared_ptr<VirtualCell>& world)
-      : world_(world),
-        camera_(cell.camera.kind->open(cell, world)),
-        drives_(cell.drives[0].kind->open(cell, world)),
-        tracker_(cell.tracker.kind->open(cell, world)) {}
+  explicit RealDevices(const CellSettings& cell)
+      : camera_(cell.camera.kind->open(cell)),
+        drives_(cell.drives[0].kind->open(cell)),
+        tracker_(cell.tracker.kind->open(cell)) {}
 
-  Clock& clock() override { return world_ ? world_->clock() : clock_; }
+  Clock& clock() override { return clock_; }
   FrameSource& camera() override { return *camera_; }
   DriveGroup& drives() override { return *drives_; }
   Tracker& tracker() override { return *tracker_; }
-  BoardPresenter* board_presenter() override {
-    return world_ ? &world_->board_presenter() : nullptr;
-  }
-  std::shared_ptr<Judge> truth() override {
-    return world_ ? std::make_shared<TruthJudge>(world_) : nullptr;
-  }
+  BoardPresenter* board_presenter() override { return nullptr; }
+  std::shared_ptr<Judge> truth() override { return nullptr; }
 
  private:
-  std::shared_ptr<VirtualCell> world_;  ///< null for a real cell
   SteadyClock clock_;
   std::shared_ptr<FrameSource> camera_;
   std::shared_ptr<DriveGroup> drives_;
   std::shared_ptr<Tracker> tracker_;
+};
+
+class VirtualDevices final : public CellDevices {
+ public:
+  explicit VirtualDevices(const CellSettings& cell)
+      : world_(std::make_shared<VirtualCell>(read_truth(*cell.truth), virtual_hardware(cell))),
+        drives_(cell.drives[0].kind->open(cell)),
+        tracker_(cell.tracker.kind->open(cell)) {
+    if (!drives_ && !cell.workspace.barriers.empty())
+      drives_ = std::make_shared<TouchingDrives>(cell, *world_);
+  }
+
+  Clock& clock() override { return world_->clock(); }
+  FrameSource& camera() override { return world_->camera(); }
+  DriveGroup& drives() override { return drives_ ? *drives_ : world_->drives(); }
+  Tracker& tracker() override { return tracker_ ? *tracker_ : world_->tracker(); }
+  BoardPresenter* board_presenter() override { return &world_->board_presenter(); }
+  std::shared_ptr<Judge> truth() override { return std::make_shared<TruthJudge>(world_); }
+
+ private:
+  std::shared_ptr<VirtualCell> world_;
+  std::shared_ptr<DriveGroup> drives_;  ///< null for the virtual ones among no obstacles
+  std::shared_ptr<Tracker> tracker_;    ///< null for the virtual one
 };
 
 void check_drives(const CellSettings& cell, Faults& faults) {
@@ -74,8 +91,6 @@ void check_drives(const CellSettings& cell, Faults& faults) {
   }
 }
 
-using World = std::shared_ptr<VirtualCell>;
-
 constexpr char kVirtual[] = "is virtual; there is no device to examine";
 constexpr char kNoCamera[] = "camera.source is files, but stored pictures do not follow an arm";
 constexpr char kRemedy[] =
@@ -91,17 +106,11 @@ class NoTracker final : public Tracker {
   static TrackerAnswer refused() { return TrackerAnswer::failed("tracker.source is none"); }
 };
 
-// The devices of the virtual kinds are parts of the world and keep it alive.
-
 /// The kind `source: virtual`: the camera of a virtual cell.
 class VirtualCameraKind final : public CameraKind {
  public:
   std::string name() const override { return "virtual"; }
   bool is_virtual() const override { return true; }
-  std::shared_ptr<FrameSource> open(const CellSettings& /*cell*/,
-                                    const World& world) const override {
-    return {world, &world->camera()};
-  }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
     return {{{kVirtual, "", "camera"}, Finding::Verdict::kWell}};
   }
@@ -125,10 +134,6 @@ class VirtualDriveKind final : public DriveKind {
     motor.home = HomeReference::kReverseSwitch;
     motor.home_rad = motors[static_cast<Eigen::Index>(joint)];
   }
-  std::shared_ptr<DriveGroup> open(const CellSettings& cell, const World& world) const override {
-    if (!cell.workspace.barriers.empty()) return std::make_shared<TouchingDrives>(cell, world);
-    return {world, &world->drives()};
-  }
   std::vector<Finding> examine(const CellSettings& cell) const override {
     std::vector<Finding> findings;
     for (std::size_t i = 1; i <= cell.drives.size(); ++i)
@@ -142,9 +147,6 @@ class VirtualTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "virtual"; }
   bool is_virtual() const override { return true; }
-  std::shared_ptr<Tracker> open(const CellSettings& /*cell*/, const World& world) const override {
-    return {world, &world->tracker()};
-  }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
     return {{{kVirtual, "", "tracker"}, Finding::Verdict::kWell}};
   }
@@ -155,8 +157,7 @@ class NoTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "none"; }
   bool measures() const override { return false; }
-  std::shared_ptr<Tracker> open(const CellSettings& /*cell*/,
-                                const World& /*world*/) const override {
+  std::shared_ptr<Tracker> open(const CellSettings& /*cell*/) const override {
     return std::make_shared<NoTracker>();
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
@@ -173,8 +174,7 @@ class FilesKind final : public CameraKind {
   std::string name() const override { return "files"; }
   std::optional<Refusal> refusal() const override { return Refusal{kNoCamera, kRemedy}; }
   /// Throws InputError with the refusal.
-  std::shared_ptr<FrameSource> open(const CellSettings& cell,
-                                    const World& /*world*/) const override {
+  std::shared_ptr<FrameSource> open(const CellSettings& cell) const override {
     throw InputError(refusal()->at(cell.file));
   }
   std::vector<Finding> examine(const CellSettings& /*cell*/) const override {
@@ -208,10 +208,8 @@ void require_devices(const CellSettings& cell) {
 std::unique_ptr<CellDevices> open_cell(const CellSettings& cell) {
   require_devices(cell);
   warn_of_values(cell);
-  std::shared_ptr<VirtualCell> world;
-  if (cell.camera.kind->is_virtual())
-    world = std::make_shared<VirtualCell>(read_truth(*cell.truth), virtual_hardware(cell));
-  return std::make_unique<OpenedDevices>(cell, world);
+  if (cell.camera.kind->is_virtual()) return std::make_unique<VirtualDevices>(cell);
+  return std::make_unique<RealDevices>(cell);
 }
 
 const DeviceKinds& device_kinds() {

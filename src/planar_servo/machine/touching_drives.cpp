@@ -6,9 +6,9 @@
 
 namespace planar {
 
-TouchingDrives::TouchingDrives(const CellSettings& cell, std::shared_ptr<VirtualCell> world)
-    : world_(std::move(world)),
-      drives_(world_->drives()),
+TouchingDrives::TouchingDrives(const CellSettings& cell, VirtualCell& world)
+    : ForwardingDrives(world.drives()),
+      world_(world),
       body_(cell.arm.geometry.body),
       barriers_(cell.workspace.barriers) {
   body_.clearance_m = 0.0;
@@ -16,17 +16,17 @@ TouchingDrives::TouchingDrives(const CellSettings& cell, std::shared_ptr<Virtual
 
 void TouchingDrives::energize() {
   touched_.clear();
-  drives_.energize();
+  ForwardingDrives::energize();
 }
 
 std::array<DriveStatus, 3> TouchingDrives::status() {
-  const ArmGap nearest = smallest_gap(body_, barriers_, world_->true_elbow(), world_->true_tip().p);
+  const ArmGap nearest = smallest_gap(body_, barriers_, world_.true_elbow(), world_.true_tip().p);
   if (touched_.empty() && nearest.gap_m < 0.0) {
     touched_ =
         fmt::format("{} touches the obstacle {}", nearest.part, barriers_[nearest.barrier].name);
-    drives_.halt();
+    halt();
   }
-  std::array<DriveStatus, 3> status = drives_.status();
+  std::array<DriveStatus, 3> status = ForwardingDrives::status();
   if (!touched_.empty())
     for (DriveStatus& drive : status) {
       drive.faults.push_back(touched_);

@@ -226,7 +226,7 @@ std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
     findings.push_back(std::move(finding));
   std::vector<Finding> camera = cell.camera.kind->examine(cell);
   if (is_sound(camera) && !cell.camera.kind->is_virtual() && !cell.camera.kind->refusal()) try {
-      for (Finding& finding : examine_lamps(*cell.camera.kind->open(cell, nullptr)))
+      for (Finding& finding : examine_lamps(*cell.camera.kind->open(cell)))
         camera.push_back(std::move(finding));
     } catch (const WorkError& error) {
       camera.push_back(faulty("lamps", error.refusal()));

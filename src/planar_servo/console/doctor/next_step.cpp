@@ -16,6 +16,7 @@
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/plausibility.h"
+#include "planar_servo/work/workpiece/bar_places.h"
 
 namespace planar {
 namespace {
@@ -65,6 +66,29 @@ fs::path lays(const WorkFiles& work) {
   return work.beside("lays.csv");
 }
 
+bool names(const std::vector<Origin>& origins, Role role) {
+  return std::any_of(origins.begin(), origins.end(),
+                     [&](const Origin& origin) { return origin.role == role; });
+}
+
+fs::path bar(const WorkFiles& work) {
+  return work.beside("bar.csv");
+}
+
+fs::path bar_folder(const WorkFiles& work) {
+  return work.beside("bar");
+}
+
+/// Returns the options by which a bar and marks of the base enter the fit.
+std::string anchor_options(const WorkFiles& work) {
+  std::string options;
+  const fs::path marks = work.beside("marks.csv");
+  if (fs::exists(bar(work))) options += " --bar " + shell_word(bar(work));
+  if (fs::exists(marks)) options += " --marks " + shell_word(marks);
+  if (options.empty()) return options;
+  return options + " --image " + shell_word(bar_folder(work)) + "/*.png";
+}
+
 /// Fits the map or, where its own fit has rejected the one there is, plans more places first.
 std::string map_command(const WorkFiles& work) {
   const CellSettings& cell = work.cell();
@@ -78,8 +102,9 @@ std::string map_command(const WorkFiles& work) {
     // One that cannot be read is fitted again.
   }
   return command(work, "planar-fit-error-map",
-                 fmt::format("{} --arm-out {} -o {} {}",
+                 fmt::format("{}{} --arm-out {} -o {} {}",
                              has_tracker(work) ? "" : " --lays " + shell_word(lays(work)),
+                             anchor_options(work),
                              shell_word(cell.arm_found.value_or(work.beside("arm.yaml"))),
                              shell_word(cell.error_map), shell_word(work.pairs())));
 }
@@ -87,7 +112,10 @@ std::string map_command(const WorkFiles& work) {
 WorkStep map_step(const WorkFiles& work) {
   std::vector<fs::path> files{work.cell().error_map};
   if (work.cell().arm_found) files.push_back(*work.cell().arm_found);
-  const Reason reason = work.reason_of(files);
+  Reason reason = work.reason_of(files);
+  for (const MadeFile& anchor : work.anchors())
+    if (!reason && !names(read_origins(files[0]), anchor.role))
+      reason = fmt::format("{} was made without {}", files[0].string(), anchor.path.string());
   return step("error map", reason, work.description(files[0]), reason ? map_command(work) : "");
 }
 
@@ -114,6 +142,24 @@ WorkStep pair_step(const WorkFiles& work, bool is_read) {
                           shell_word(work.lamps()), shell_word(work.recording()),
                           shell_word(cell.workplane), shell_word(cell.tool), rest,
                           shell_word(work.pairs()))));
+}
+
+/// A person lays a bar of certified length, whose pictures show the marks of the base, too; without
+/// a bar one picture does.
+std::optional<WorkStep> anchor_step(const WorkFiles& work, bool is_read) {
+  if (work.anchors().empty()) return std::nullopt;
+  const bool has_bar = fs::exists(bar(work));
+  const std::size_t there = pictures_in(bar_folder(work)).size(), wanted = has_bar ? kBarPlaces : 1;
+  const std::string folder = shell_word(bar_folder(work));
+  Reason reason;
+  if (is_read && there < wanted)
+    reason = fmt::format("{} of {} pictures of {} are taken", there, wanted,
+                         work.anchors().front().path.string());
+  return step("bar and marks", reason, fmt::format("{} pictures in {}", there, folder),
+              has_bar ? command(work, "planar-record",
+                                fmt::format(" --bar {} --out {}", shell_word(bar(work)), folder))
+                      : fmt::format("mkdir -p {0} && echo save {0}/marks.png | {1}", folder,
+                                    command(work, "planar-jog", "")));
 }
 
 WorkStep lamp_step(const WorkFiles& work, bool is_read) {
@@ -171,14 +217,18 @@ WorkStep plan_step(const WorkFiles& work, bool is_read) {
 std::vector<WorkStep> calibration_steps(const WorkFiles& work) {
   const auto is_open = [](const WorkStep& step) { return step.state == State::kOpen; };
   const WorkStep map = map_step(work);
-  const WorkStep pairs = pair_step(work, is_open(map));
+  const std::optional<WorkStep> anchors = anchor_step(work, is_open(map));
+  const WorkStep pairs = pair_step(work, is_open(map) || (anchors && is_open(*anchors)));
   const WorkStep lamps = lamp_step(work, is_open(pairs));
   const WorkStep camera = camera_step(work);
   const WorkStep recording =
       recording_step(work, is_open(camera) || is_open(lamps) || is_open(pairs));
   const WorkStep plan = plan_step(work, is_open(recording));
-  return {calculated(plan),  recording,         calculated(camera),
-          calculated(lamps), calculated(pairs), calculated(map)};
+  std::vector<WorkStep> steps{calculated(plan), recording, calculated(camera), calculated(lamps),
+                              calculated(pairs)};
+  if (anchors) steps.push_back(*anchors);
+  steps.push_back(calculated(map));
+  return steps;
 }
 
 /// The arm that the fit found is used once the cell file names it.

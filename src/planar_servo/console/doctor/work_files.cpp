@@ -52,13 +52,13 @@ std::vector<StaleFile> WorkFiles::stale_by_tables() const {
                                                  {Role::kLamps, lamps_},
                                                  {Role::kPairs, pairs_}});
   std::vector<Origin> present;
-  present.reserve(tables.size());
-  for (const MadeFile& table : tables) present.push_back(origin_of(table));
+  for (const std::vector<MadeFile>& files : {tables, anchors()})
+    for (const MadeFile& file : files) present.push_back(origin_of(file));
   std::vector<MadeFile> made = made_files(cell_, true);
   made.push_back({Role::kPairs, pairs_});
-  std::vector<StaleFile> stale =
-      contradictions(existing(std::move(made)), present,
-                     {Role::kFrames, Role::kTracker, Role::kLamps, Role::kPairs});
+  std::vector<StaleFile> stale = contradictions(
+      existing(std::move(made)), present,
+      {Role::kFrames, Role::kTracker, Role::kLamps, Role::kPairs, Role::kBar, Role::kMarks});
   for (const Origin& origin : origins_in(cell_, {{Role::kCamera, cell_.camera_model}}))
     present.push_back(origin);
   for (StaleFile& lamps :
@@ -66,6 +66,10 @@ std::vector<StaleFile> WorkFiles::stale_by_tables() const {
                       {Role::kCamera, Role::kFrames, Role::kLampLayout, Role::kImageSize}))
     stale.push_back(std::move(lamps));
   return stale;
+}
+
+std::vector<MadeFile> WorkFiles::anchors() const {
+  return existing({{Role::kBar, beside("bar.csv")}, {Role::kMarks, beside("marks.csv")}});
 }
 
 std::optional<std::string> WorkFiles::reason_of(const std::vector<fs::path>& files) const {

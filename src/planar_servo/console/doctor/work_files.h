@@ -27,6 +27,9 @@ class WorkFiles {
   std::filesystem::path lamps() const { return lamps_; }
   std::filesystem::path pairs() const { return pairs_; }
 
+  /// Returns the drawings of a bar and of the base's marks that lie beside the cell file.
+  std::vector<MadeFile> anchors() const;
+
   /// Returns why the first of these files that is missing, faulty or no longer valid is so.
   std::optional<std::string> reason_of(const std::vector<std::filesystem::path>& files) const;
 

@@ -43,6 +43,21 @@ bool contains(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d
   return inside;
 }
 
+/// A disc round a barrier.
+struct Surroundings {
+  Eigen::Vector2d center_B;
+  double radius_m;
+};
+
+Surroundings surroundings_of(const Barrier& barrier) {
+  Surroundings around{Eigen::Vector2d::Zero(), barrier.radius_m};
+  for (const Eigen::Vector2d& corner : barrier.corners_B) around.center_B += corner;
+  around.center_B /= static_cast<double>(barrier.corners_B.size());
+  for (const Eigen::Vector2d& corner : barrier.corners_B)
+    around.radius_m = std::max(around.radius_m, (corner - around.center_B).norm());
+  return around;
+}
+
 }  // namespace
 
 double distance_m(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Barrier& barrier) {
@@ -86,13 +101,18 @@ ArmGap smallest_gap(const ArmBody& body, const std::vector<Barrier>& barriers,
       {"link 2", elbow_B, end_B, 0.5 * body.link_widths_m[1], body.link_heights[1]},
       {"the tool", end_B, end_B, body.tool_radius_m, body.tool_heights}};
   ArmGap smallest;
-  for (std::size_t i = 0; i < barriers.size(); ++i)
+  for (std::size_t i = 0; i < barriers.size(); ++i) {
+    const Surroundings around = surroundings_of(barriers[i]);
     for (const Part& part : parts) {
       if (!part.heights.overlap(barriers[i].heights)) continue;
-      const double gap =
-          distance_m(part.from, part.to, barriers[i]) - part.radius_m - body.clearance_m;
+      const double kept_m = part.radius_m + body.clearance_m;
+      if (point_to_segment(around.center_B, part.from, part.to) - around.radius_m - kept_m >=
+          smallest.gap_m)
+        continue;
+      const double gap = distance_m(part.from, part.to, barriers[i]) - kept_m;
       if (gap < smallest.gap_m) smallest = {gap, part.name, i};
     }
+  }
   return smallest;
 }
 

@@ -68,9 +68,9 @@ class JointPlanner {
  private:
   /// Returns the gap to the nearest barrier.
   ArmGap gap(const Joints& theta) const;
-  /// Returns the rests of a way over a grid of this step (radians) in motors 1 and 2; empty where
-  /// there is none.
-  std::vector<Joints> way_on_grid(const Joints& from, const Joints& to, double step) const;
+  /// Returns how far the arm is from the nearest barrier or border, negative beyond it; minus
+  /// infinity outside the limits of the motors.
+  double room_m(const Joints& theta) const;
   /// Leaves out rests between which the straight way is allowed; the first is where the arm stands.
   /// Empty where even the next one is not.
   std::vector<Joints> shortened(const std::vector<Joints>& rests) const;

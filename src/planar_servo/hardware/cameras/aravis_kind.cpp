@@ -367,8 +367,7 @@ AravisSettings aravis_settings(const CameraSettings& camera) {
   return settings;
 }
 
-std::shared_ptr<FrameSource> AravisKind::open(const CellSettings& cell,
-                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<FrameSource> AravisKind::open(const CellSettings& cell) const {
   return std::make_shared<AravisCamera>(aravis_settings(cell.camera));
 }
 

@@ -72,8 +72,7 @@ class AravisKind final : public CameraKind {
  public:
   std::string name() const override { return "aravis"; }
   std::shared_ptr<const DeviceDetails> read(Fields& camera) const override;
-  std::shared_ptr<FrameSource> open(const CellSettings& cell,
-                                    const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<FrameSource> open(const CellSettings& cell) const override;
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 

@@ -14,7 +14,6 @@ class DriveGroup;
 class Fields;
 class FrameSource;
 class Tracker;
-class VirtualCell;
 struct CellSettings;
 
 /// Says how one part of a cell was found, and the remedy if it is not well.
@@ -64,11 +63,10 @@ class CameraKind : public DeviceKind {
   /// Reads the keys that only this kind has. Faults go to the document.
   virtual std::shared_ptr<const DeviceDetails> read(Fields& /*camera*/) const { return nullptr; }
 
-  /// Opens the camera of a cell whose camera is of this kind. `world` is the cell's virtual world
-  /// for a virtual kind and null for the others. Throws WorkError when the camera does not answer,
-  /// and InputError for settings that it cannot have.
-  virtual std::shared_ptr<FrameSource> open(const CellSettings& cell,
-                                            const std::shared_ptr<VirtualCell>& world) const = 0;
+  /// Opens the camera of a cell whose camera is of this kind; that of a virtual kind is part of the
+  /// virtual cell. Throws WorkError when the camera does not answer, and InputError for settings
+  /// that it cannot have.
+  virtual std::shared_ptr<FrameSource> open(const CellSettings& /*cell*/) const { return nullptr; }
 };
 
 /// One kind of drive. It reads its own keys of an item of `drives`, opens the drives, and examines
@@ -87,10 +85,9 @@ class DriveKind : public DeviceKind {
   /// Fills in what follows from other settings. It is called once the whole file is free of faults.
   virtual void complete(CellSettings& /*cell*/, std::size_t /*joint*/) const {}
 
-  /// Opens the drives of a cell whose drives are of this kind. `world` is as in CameraKind::open().
-  /// Throws DriveError when a drive cannot be used.
-  virtual std::shared_ptr<DriveGroup> open(const CellSettings& cell,
-                                           const std::shared_ptr<VirtualCell>& world) const = 0;
+  /// Opens the drives of a cell whose drives are of this kind, unless that is virtual. Throws
+  /// DriveError when a drive cannot be used.
+  virtual std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/) const { return nullptr; }
 };
 
 /// One kind of tracker. It reads its own keys of a cell file's `tracker` block, opens the tracker,
@@ -106,10 +103,9 @@ class TrackerKind : public DeviceKind {
   /// Reads the keys that only this kind has. Faults go to the document.
   virtual std::shared_ptr<const DeviceDetails> read(Fields& /*tracker*/) const { return nullptr; }
 
-  /// Opens the tracker of a cell whose tracker is of this kind. `world` is as in
-  /// CameraKind::open(). Throws WorkError when the tracker cannot be heard at all.
-  virtual std::shared_ptr<Tracker> open(const CellSettings& cell,
-                                        const std::shared_ptr<VirtualCell>& world) const = 0;
+  /// Opens the tracker of a cell whose tracker is of this kind, unless that is virtual. Throws
+  /// WorkError when the tracker cannot be heard at all.
+  virtual std::shared_ptr<Tracker> open(const CellSettings& /*cell*/) const { return nullptr; }
 };
 
 /// Lists the kinds of devices that a cell file may name.

@@ -184,8 +184,7 @@ void GrblKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const 
     if (cell.drives[i].kind == this) check_board(drive, cell, joint, i);
 }
 
-std::shared_ptr<DriveGroup> GrblKind::open(const CellSettings& cell,
-                                           const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<DriveGroup> GrblKind::open(const CellSettings& cell) const {
   return std::make_shared<GrblDrives>(grbl_settings(cell));
 }
 
@@ -293,8 +292,7 @@ void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
   list_home(drive, cell.transmission.drives[joint]);
 }
 
-std::shared_ptr<DriveGroup> TicKind::open(const CellSettings& cell,
-                                          const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<DriveGroup> TicKind::open(const CellSettings& cell) const {
   return std::make_shared<TicDrives>(std::array{
       tic_settings(cell.drives[0]), tic_settings(cell.drives[1]), tic_settings(cell.drives[2])});
 }

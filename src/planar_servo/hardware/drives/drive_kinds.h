@@ -29,8 +29,7 @@ class GrblKind final : public DriveKind {
   std::string new_keys(std::size_t joint, double mark_deg) const override;
   /// The three joints are axes of one board.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;
-  std::shared_ptr<DriveGroup> open(const CellSettings& cell,
-                                   const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<DriveGroup> open(const CellSettings& cell) const override;
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 
@@ -56,8 +55,7 @@ class TicKind final : public DriveKind {
   std::string new_keys(std::size_t joint, double mark_deg) const override;
   /// Serial numbers tell the drives apart, whatever socket they are plugged into.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;
-  std::shared_ptr<DriveGroup> open(const CellSettings& cell,
-                                   const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<DriveGroup> open(const CellSettings& cell) const override;
   /// Examines presence, permission, firmware, settings, supply and errors of every Tic, and whether
   /// the cell's speeds are within what a Tic can do. Nothing is switched on or moved.
   std::vector<Finding> examine(const CellSettings& cell) const override;

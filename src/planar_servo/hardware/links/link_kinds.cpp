@@ -89,8 +89,7 @@ void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) con
                   "one program moves the three joints");
 }
 
-std::shared_ptr<DriveGroup> CommandKind::open(const CellSettings& cell,
-                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<DriveGroup> CommandKind::open(const CellSettings& cell) const {
   const MotionProgram& program = program_of(cell, 0);
   return std::make_shared<LinkedDrives>(
       name_of(program), limits_of(cell),
@@ -231,8 +230,7 @@ void ModbusKind::complete(CellSettings& cell, std::size_t joint) const {
   cell.drives[joint].details = details;
 }
 
-std::shared_ptr<DriveGroup> ModbusKind::open(const CellSettings& cell,
-                                             const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<DriveGroup> ModbusKind::open(const CellSettings& cell) const {
   const ModbusLine line = line_of(cell);
   return std::make_shared<LinkedDrives>(
       name_of(line), limits_of(cell), [line] { return std::make_unique<ModbusLink>(line); },
@@ -335,8 +333,7 @@ void LinuxcncKind::read(Fields& drive, CellSettings& cell, std::size_t joint) co
   }
 }
 
-std::shared_ptr<DriveGroup> LinuxcncKind::open(
-    const CellSettings& cell, const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<DriveGroup> LinuxcncKind::open(const CellSettings& cell) const {
   const LinuxcncHost host = host_of(cell);
   return std::make_shared<LinkedDrives>(
       name_of(host), limits_of(cell), [host] { return std::make_unique<LinuxcncLink>(host); },

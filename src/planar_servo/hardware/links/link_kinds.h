@@ -16,8 +16,7 @@ class CommandKind final : public DriveKind {
   std::string new_keys(std::size_t joint, double mark_deg) const override;
   /// The three joints are moved by one program.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;
-  std::shared_ptr<DriveGroup> open(const CellSettings& cell,
-                                   const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<DriveGroup> open(const CellSettings& cell) const override;
   /// Starts the program and asks where the machine stands; it is neither switched on nor moved.
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
@@ -31,8 +30,7 @@ class ModbusKind final : public DriveKind {
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;
   /// Reads the map of the registers.
   void complete(CellSettings& cell, std::size_t joint) const override;
-  std::shared_ptr<DriveGroup> open(const CellSettings& cell,
-                                   const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<DriveGroup> open(const CellSettings& cell) const override;
   /// Reads every driver's status and position; nothing is written.
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
@@ -44,8 +42,7 @@ class LinuxcncKind final : public DriveKind {
   std::string new_keys(std::size_t joint, double mark_deg) const override;
   /// The three joints are those of one machine.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;
-  std::shared_ptr<DriveGroup> open(const CellSettings& cell,
-                                   const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<DriveGroup> open(const CellSettings& cell) const override;
   /// Compares LinuxCNC's INI with the cell and asks where the joints stand.
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };

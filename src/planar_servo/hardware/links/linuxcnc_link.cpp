@@ -174,21 +174,29 @@ std::string RshConnection::ask(const std::string& line) {
 }
 
 std::string RshConnection::get(const std::string& what) {
-  constexpr int kTries = 3;
+  // A line gets lost where another connection's comes at the same moment, and moves are watched
+  // meanwhile: it is asked anew before DeadMansHandle brakes.
+  constexpr int kTries = 16;
+  constexpr double kSurely_s = kAnswer_s / kTries;
   const std::string name = what.substr(0, what.find(' '));
-  std::string answer;
+  std::optional<std::string> answer;
   for (int i = 0; i < kTries; ++i) {
-    answer = ask("get " + what);
-    const std::size_t word = answer.find(' ');
-    const bool is_its =
-        word == name.size() && std::equal(name.begin(), name.end(), answer.begin(),
-                                          [](unsigned char asked, unsigned char said) {
-                                            return std::toupper(asked) == std::toupper(said);
-                                          });
-    if (is_its && !ends(answer, kNakOf)) return answer.substr(word + 1);
-    std::this_thread::sleep_for(kApart);
+    send("get " + what);
+    answer = hear(kSurely_s);
+    const std::size_t word = answer ? answer->find(' ') : 0;
+    const bool is_its = answer && word == name.size() &&
+                        std::equal(name.begin(), name.end(), answer->begin(),
+                                   [](unsigned char asked, unsigned char said) {
+                                     return std::toupper(asked) == std::toupper(said);
+                                   });
+    if (is_its && !ends(*answer, kNakOf)) return answer->substr(word + 1);
+    while (hear(std::chrono::duration<double>(kApart).count())) {
+    }
   }
-  throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, answer));
+  if (answer) throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, *answer));
+  throw WorkError(
+      {fmt::format("LinuxCNC does not answer 'get {}' within {:.0f} s", what, kAnswer_s),
+       "look at the machine; start LinuxCNC again"});
 }
 
 namespace {
@@ -270,9 +278,14 @@ LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
 }
 
 void LinuxcncLink::set(const std::string& what) {
-  const std::string answer = mover_.ask("set " + what);
-  if (ends(answer, kAckOf)) return;
-  throw WorkError({fmt::format("LinuxCNC refuses 'set {}': {}", what, answer),
+  std::optional<std::string> answer;
+  constexpr int kTries = 2;  // the line or its answer may get lost
+  for (int i = 0; i < kTries && !answer; ++i) {
+    mover_.send("set " + what);
+    answer = mover_.hear(kAnswer_s);
+  }
+  if (answer && ends(*answer, kAckOf)) return;
+  throw WorkError({fmt::format("LinuxCNC refuses 'set {}': {}", what, answer.value_or("no answer")),
                    "another client may have taken the control: close it; or look at LinuxCNC's "
                    "own messages"});
 }
@@ -303,7 +316,7 @@ void LinuxcncLink::hear_mover(double patience_s) {
 
 /// Notes whether another client has taken the control since the move was sent.
 void LinuxcncLink::check_control() {
-  if (!controls_ || awaits_mover_ || ends(mover_.ask("get enable"), "ON")) return;
+  if (!controls_ || awaits_mover_ || ends(mover_.get("enable"), "ON")) return;
   controls_ = false;
   refused_ = "another client has taken the control of LinuxCNC";
 }

@@ -169,8 +169,7 @@ std::shared_ptr<const DeviceDetails> FileTrackerKind::read(Fields& tracker) cons
   return details;
 }
 
-std::shared_ptr<Tracker> FileTrackerKind::open(
-    const CellSettings& cell, const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<Tracker> FileTrackerKind::open(const CellSettings& cell) const {
   const TrackerDialect& dialect = stream_details(cell).dialect;
   auto stream = std::make_shared<ReadingStream>(path_of(cell).string(), dialect);
   auto feed = std::make_unique<FileFeed>(path_of(cell), *stream);
@@ -195,8 +194,7 @@ std::shared_ptr<const DeviceDetails> TcpTrackerKind::read(Fields& tracker) const
   return details;
 }
 
-std::shared_ptr<Tracker> TcpTrackerKind::open(const CellSettings& cell,
-                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<Tracker> TcpTrackerKind::open(const CellSettings& cell) const {
   const StreamDetails& details = stream_details(cell);
   auto stream = std::make_shared<ReadingStream>(details.source, details.dialect);
   auto feed = std::make_unique<TcpFeed>(details.source, *stream);
@@ -217,8 +215,7 @@ std::shared_ptr<const DeviceDetails> AskTrackerKind::read(Fields& tracker) const
   return details;
 }
 
-std::shared_ptr<Tracker> AskTrackerKind::open(const CellSettings& cell,
-                                              const std::shared_ptr<VirtualCell>& /*world*/) const {
+std::shared_ptr<Tracker> AskTrackerKind::open(const CellSettings& cell) const {
   return std::make_shared<AskedTracker>(stream_details(cell).dialect, std::make_shared<Terminal>());
 }
 

@@ -50,8 +50,7 @@ class FileTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "file"; }
   std::shared_ptr<const DeviceDetails> read(Fields& tracker) const override;
-  std::shared_ptr<Tracker> open(const CellSettings& cell,
-                                const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<Tracker> open(const CellSettings& cell) const override;
   /// Whether the file is there and grows, has the columns, and tells plausible lengths.
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
@@ -62,8 +61,7 @@ class TcpTrackerKind final : public TrackerKind {
  public:
   std::string name() const override { return "tcp"; }
   std::shared_ptr<const DeviceDetails> read(Fields& tracker) const override;
-  std::shared_ptr<Tracker> open(const CellSettings& cell,
-                                const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<Tracker> open(const CellSettings& cell) const override;
   /// Whether the address answers, the lines have the columns, and they tell plausible lengths.
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
@@ -74,8 +72,7 @@ class AskTrackerKind final : public TrackerKind {
   std::string name() const override { return "ask"; }
   bool by_hand() const override { return true; }
   std::shared_ptr<const DeviceDetails> read(Fields& tracker) const override;
-  std::shared_ptr<Tracker> open(const CellSettings& cell,
-                                const std::shared_ptr<VirtualCell>& world) const override;
+  std::shared_ptr<Tracker> open(const CellSettings& cell) const override;
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 

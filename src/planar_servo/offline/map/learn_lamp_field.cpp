@@ -89,24 +89,23 @@ BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
 }
 
 /// Adds each sight of the bar. Its length is certified, so that a board's pitch no longer counts.
-void add_bar(const LampFieldFiles& files, const VisionCalibration& uncompensated,
-             const PictureReader& read_picture, LaidDots& laid) {
+void add_bar(const LampFieldFiles& files, const VisionCalibration& uncompensated, LaidDots& laid) {
   const std::vector<Fiducial> bar = read_bar(files.bar);
   laid.length = (bar[1].p_W - bar[0].p_W).norm();
   laid.length_sigma = files.bar_sigma;
-  for (const std::filesystem::path& image : files.images)
-    for (const BarSight& seen : see_bars(read_picture(image), uncompensated, bar))
+  for (const auto& frames_of_picture : files.pictures)
+    for (const BarSight& seen : see_bars(frames_of_picture(), uncompensated, bar))
       laid.lengths.push_back({seen.p_B, seen.sigma});
   laid.pitch_known = false;
 }
 
 /// Adds each mark of the base where the pictures together show it.
 void add_marks(const LampFieldFiles& files, const VisionCalibration& uncompensated,
-               const PictureReader& read_picture, LaidDots& laid) {
+               LaidDots& laid) {
   const std::vector<Fiducial> marks = read_work_drawing(files.marks);
   std::map<std::string, std::vector<FoundFiducial>> sights;
-  for (const std::filesystem::path& image : files.images)
-    for (FoundFiducial& seen : see_marks(read_picture(image), uncompensated, marks))
+  for (const auto& frames_of_picture : files.pictures)
+    for (FoundFiducial& seen : see_marks(frames_of_picture(), uncompensated, marks))
       sights[seen.fiducial.id].push_back(std::move(seen));
   for (const auto& [id, seen] : sights) {
     const auto n = static_cast<double>(seen.size());
@@ -119,7 +118,7 @@ void add_marks(const LampFieldFiles& files, const VisionCalibration& uncompensat
   if (laid.marks.empty())
     throw InputError({fmt::format("none of the {} marks of the base is seen near its place in {} "
                                   "pictures",
-                                  marks.size(), files.images.size()),
+                                  marks.size(), files.pictures.size()),
                       "compare x_mm and y_mm with the base frame, and uncover them", files.marks});
 }
 
@@ -177,14 +176,13 @@ std::vector<MadeFile> LampFieldFiles::inputs() const {
 }
 
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
-                              const VisionCalibration& vision, const PictureReader& read_picture,
-                              const Progress& progress) {
+                              const VisionCalibration& vision, const Progress& progress) {
   warn_of_changed_rows(files.pairs);
   LaidDots laid = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
   VisionCalibration uncompensated = vision;
   uncompensated.error_map.reset();
-  if (!files.bar.empty()) add_bar(files, uncompensated, read_picture, laid);
-  if (!files.marks.empty()) add_marks(files, uncompensated, read_picture, laid);
+  if (!files.bar.empty()) add_bar(files, uncompensated, laid);
+  if (!files.marks.empty()) add_marks(files, uncompensated, laid);
   return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(files.pairs)),
                         laid, progress);
 }

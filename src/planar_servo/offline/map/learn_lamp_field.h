@@ -36,24 +36,20 @@ struct LampFieldFiles {
   std::filesystem::path map{};
   std::filesystem::path arm{};  ///< empty where nobody wants it
   /// Marks of a bar of certified length, and of the base at their places in its frame, each as
-  /// work.csv has them; empty where there are none. Whole pictures show them.
+  /// work.csv has them; empty where there are none.
   std::filesystem::path bar{}, marks{};
   double bar_sigma{0.0}, marks_sigma{0.0};  ///< of the length, and of a place per axis, metres
-  std::vector<std::filesystem::path> images{};
+  /// Each reads the frames of a whole picture that shows some of them. Passed in, so that what
+  /// learns from tables alone loads no decoders of pictures.
+  std::vector<std::function<std::vector<Frame>()>> pictures{};
 
   std::vector<MadeFile> inputs() const;
 };
 
-/// Reads the frames of a picture. Passed by programs, so that what learns from tables alone loads
-/// no decoders of pictures.
-using PictureReader = std::function<std::vector<Frame>(const std::filesystem::path&)>;
-
-/// Learns the field of a cell whose camera, workplane and tool are `vision`; `read_picture` is
-/// called for the files' images. Throws what reading the tables and fit_lamp_field() throw.
+/// Learns the field of a cell whose camera, workplane and tool are `vision`. Throws what reading
+/// the tables and the pictures and fit_lamp_field() throw.
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
-                              const VisionCalibration& vision,
-                              const PictureReader& read_picture = {},
-                              const Progress& progress = {});
+                              const VisionCalibration& vision, const Progress& progress = {});
 
 /// Writes what was learned, with what it was made from.
 void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,

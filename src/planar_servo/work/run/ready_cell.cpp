@@ -70,21 +70,25 @@ GuardLimits limits_of(const ServoRequest& request) {
   return cell.health ? with_health(limits, *cell.health) : limits;
 }
 
-std::unique_ptr<LandingModel> landings_of(const ServoRequest& request, const GuardLimits& limits) {
-  if (!request.policy.estimates_landings) return nullptr;
+KeptLandings landings_of(const ServoRequest& request, const GuardLimits& limits) {
+  if (!request.policy.estimates_landings) return {};
   const auto& map = request.cell->vision->error_map;
   const JointPlanner& planner = request.cell->planner;
   const LampField* field = map ? std::get_if<LampField>(&*map) : nullptr;
   const auto& arm = planner.found();
   if (field == nullptr || !arm || arm->factor.size() == 0 ||
       arm->factor.cols() != field->factor.cols())
-    return std::make_unique<UnknownLandings>(limits.distance_m);
+    return {std::make_unique<UnknownLandings>(limits.distance_m), nullptr};
   const double stray_m = limits.distance_m / kDeviationsToGuard;
   if (!request.policy.learns)
-    return std::make_unique<FoundLandings>(*field, *arm, planner.transmission(), stray_m);
-  return std::make_unique<LearningLandings>(
-      *field, *arm, remembered_arm(request.cell->settings, planner, request.policy.forgets),
-      planner.transmission(), stray_m);
+    return {std::make_unique<FoundLandings>(*field, *arm, planner.transmission(), stray_m),
+            nullptr};
+  const CellSettings& cell = request.cell->settings;
+  auto learning = std::make_unique<LearningLandings>(
+      *field, *arm, remembered_arm(cell, planner, request.policy.forgets), planner.transmission(),
+      stray_m);
+  auto memory = cell.arm_learned ? std::make_unique<ArmMemory>(cell, *learning) : nullptr;
+  return {std::move(learning), std::move(memory)};
 }
 
 const CalibratedCell& complete(const CalibratedCell& cell) {
@@ -159,11 +163,9 @@ ReadyCell::ReadyCell(const ServoRequest& request, CellDevices& devices)
              devices.drives(), devices.clock()),
       landings_(landings_of(request, limits_)),
       servo_(settings().servo, limits_, planner(), robot_, sensor_, devices.clock(),
-             landings_.get()) {
+             landings_.model.get()) {
   robot_.stop_when(request.stop);
   if (request.policy.checked_s_ago) examined_s_ = clock_.now_s() - *request.policy.checked_s_ago;
-  const auto* learning = dynamic_cast<const LearningLandings*>(landings_.get());
-  if (learning != nullptr && settings().arm_learned) memory_.emplace(settings(), *learning);
 }
 
 void ReadyCell::switch_on() {
@@ -241,7 +243,7 @@ std::string ReadyCell::examine() {
 }
 
 void ReadyCell::keep_lessons_if_due() {
-  if (memory_) memory_->keep_if_due(clock_.now_s());
+  if (landings_.memory) landings_.memory->keep_if_due(clock_.now_s());
 }
 
 bool ReadyCell::was_examined_s_ago(double seconds) const {
@@ -251,8 +253,14 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   robot_.throw_if_stopped();
   spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
-  robot_.recover(kDrivePatience_s);
-  home();
+  try {
+    robot_.recover(kDrivePatience_s);
+    home();
+  } catch (const WorkError& error) {
+    Refusal both = error.refusal();
+    both.fault = reason + "; " + both.fault;
+    throw DriveError(both);
+  }
   spdlog::info(fmt::format("{}: the drives are ready again; resuming", id));
 }
 

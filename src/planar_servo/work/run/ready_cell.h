@@ -52,6 +52,12 @@ class ArmMemory {
   std::optional<double> kept_s_;
 };
 
+/// Where moves end, and who keeps what is learned of that.
+struct KeptLandings {
+  std::unique_ptr<LandingModel> model{};  ///< none where landings are not estimated
+  std::unique_ptr<ArmMemory> memory{};    ///< none where nothing is learned or kept
+};
+
 /// Where a run's files go.
 struct OutFolder {
   /// steps.csv and results.csv grow here, a line at a time. Empty: nothing is written.
@@ -178,8 +184,7 @@ class ReadyCell {
   GuardLimits limits_;
   LampTipSensor sensor_;
   PlanarRobot robot_;
-  std::unique_ptr<LandingModel> landings_;  ///< none where landings are not estimated
-  std::optional<ArmMemory> memory_;         ///< none where nothing is learned or kept
+  KeptLandings landings_;
   PositionServo servo_;
 };
 

@@ -25,15 +25,6 @@ double distance(const BarStance& a, const BarStance& b, double length) {
   return std::hypot((a.middle_B - b.middle_B).norm(), 0.5 * length * turn);
 }
 
-std::vector<fs::path> pictures_in(const fs::path& folder) {
-  std::vector<fs::path> pictures;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".png" && entry.path().stem().string().rfind("bar_", 0) == 0)
-      pictures.push_back(entry.path());
-  std::sort(pictures.begin(), pictures.end());
-  return pictures;
-}
-
 std::string words_of(const BarStance& stance) {
   return fmt::format("its middle near {}, turned by {:.0f} deg", place_mm(stance.middle_B),
                      stance.turn / kDegree);
@@ -80,6 +71,15 @@ BarStance next_stance(const std::vector<BarStance>& wanted, const std::vector<Ba
   return *std::max_element(
       wanted.begin(), wanted.end(),
       [&](const BarStance& a, const BarStance& b) { return nearest(a) < nearest(b); });
+}
+
+std::vector<fs::path> pictures_in(const fs::path& folder) {
+  std::vector<fs::path> pictures;
+  if (!fs::exists(folder)) return pictures;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".png") pictures.push_back(entry.path());
+  std::sort(pictures.begin(), pictures.end());
+  return pictures;
 }
 
 std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionCalibration& vision,
