@@ -9,8 +9,8 @@
 #include "planar_servo/hardware/drives/drive_kinds.h"
 #include "planar_servo/hardware/links/link_kinds.h"
 #include "planar_servo/machine/plausibility.h"
-#include "planar_servo/machine/touching_drives.h"
 #include "planar_servo/machine/trackers/tracker_kinds.h"
+#include "planar_servo/virtual_cell/touching_drives.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
 
@@ -61,7 +61,8 @@ class VirtualDevices final : public CellDevices {
         drives_(cell.drives[0].kind->open(cell)),
         tracker_(cell.tracker.kind->open(cell)) {
     if (!drives_ && !cell.workspace.barriers.empty())
-      drives_ = std::make_shared<TouchingDrives>(cell, *world_);
+      drives_ = std::make_shared<TouchingDrives>(*world_, cell.arm.geometry.body,
+                                                 cell.workspace.barriers);
   }
 
   Clock& clock() override { return world_->clock(); }

@@ -31,8 +31,9 @@ constexpr std::chrono::milliseconds kApart{5};
 constexpr double kAnswer_s = 1.0, kLateAnswer_s = 0.2;
 /// A move that has not begun as long after the order to stop does not begin any more.
 constexpr std::chrono::milliseconds kLostAnswer{1000};
-/// Joints that have not moved by a count for this long, with nothing left to do, rest.
-constexpr std::chrono::milliseconds kStill{40};
+/// Joints that have not moved by a count for this long, with nothing left to do, rest: where they
+/// were sent, after a stop, and elsewhere. A computer that is busy may tell of no motion meanwhile.
+constexpr std::chrono::milliseconds kStill{40}, kStillStopped{100}, kStillElsewhere{500};
 constexpr std::chrono::milliseconds kStopRepeat{40};
 constexpr char kAckOf[] = " ACK", kNakOf[] = " NAK";
 
@@ -456,7 +457,8 @@ MachineState LinuxcncLink::read() {
   const bool is_there = target_ && (here_ - *target_).cwiseAbs().maxCoeff() <= kInPosition_counts;
   const bool may_begin =
       awaits_mover_ && !is_there && (!stopping_since_ || now - *stopping_since_ < kLostAnswer);
-  state.moving = state.on && (!is_idle || now - changed_ < kStill || may_begin);
+  const auto still = is_there ? kStill : target_ ? kStillElsewhere : kStillStopped;
+  state.moving = state.on && (!is_idle || now - changed_ < still || may_begin);
   if (homing_joint_) {
     const std::string homed = reader_.get(fmt::format("joint_homed {}", *homing_joint_));
     state.homing = state.on && homed.find("YES") == std::string::npos;

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "planar_servo/base/devices/forwarding_drives.h"
-#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/geometry/arm/clearance.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
 
 namespace planar {
@@ -12,8 +12,8 @@ namespace planar {
 /// stop with lost steps and say so, as they would be felt to.
 class TouchingDrives final : public ForwardingDrives {
  public:
-  /// The virtual cell must outlive this.
-  TouchingDrives(const CellSettings& cell, VirtualCell& world);
+  /// `body` is what the arm takes up among these barriers. The virtual cell must outlive this.
+  TouchingDrives(VirtualCell& world, const ArmBody& body, const std::vector<Barrier>& barriers);
 
   void energize() override;
   std::array<DriveStatus, 3> status() override;

@@ -1,16 +1,12 @@
-#include "planar_servo/machine/touching_drives.h"
+#include "planar_servo/virtual_cell/touching_drives.h"
 
 #include <fmt/format.h>
 
-#include "planar_servo/geometry/arm/clearance.h"
-
 namespace planar {
 
-TouchingDrives::TouchingDrives(const CellSettings& cell, VirtualCell& world)
-    : ForwardingDrives(world.drives()),
-      world_(world),
-      body_(cell.arm.geometry.body),
-      barriers_(cell.workspace.barriers) {
+TouchingDrives::TouchingDrives(VirtualCell& world, const ArmBody& body,
+                               const std::vector<Barrier>& barriers)
+    : ForwardingDrives(world.drives()), world_(world), body_(body), barriers_(barriers) {
   body_.clearance_m = 0.0;
 }
 
