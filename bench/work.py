@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Works, tools and homing by sight on drawn cells, against their truth.
 
-work.py BIN OUT [--like paper|ordinary|cheap] [--seeds N] [--first SEED] [--starts N]
+work.py BIN OUT [--like paper|ordinary|cheap] [--seeds N] [--first SEED] [--starts N] [--lays N]
 
 Each cell is drawn, calibrated as planar-experiment calibrates it, and then: single marks of 4 mm are put anywhere in
 the field and found in pairs 60 mm apart, of which each is judged by itself; a work of 150 x 100 mm with four marks is
 put anywhere, found, and targets on it are reached; a tip 30 mm off the axis is taught by four directions at a mark
 and goes to targets; the arm is homed by sight from drawn poses. Prints a row each: median and 95 % of the error, mm or
 deg, and the share of components within the stated 95 %.
+With --lays so many views of the board on the plane enter, whose height is known as by a caliper.
 """
 import argparse
 import csv
@@ -60,9 +61,13 @@ class Figures:
                   f"{errors[int(0.95 * (len(errors) - 1))]:.4f}  max {errors[-1]:.4f}  {share}", flush=True)
 
 
-def calibrated(bin, cell, like, seed):
+def calibrated(bin, cell, like, seed, lays):
     run(bin / "planar-virtual-cell", "draw", "--seed", seed, "--like", like, "-o", cell)
-    run(bin / "planar-experiment", "-q", "--cell", cell / "cell.yaml", "--out", cell / "made")
+    laid = []
+    if lays:
+        lamps_mm = yaml.safe_load((cell / "truth.yaml").read_text())["tool"]["lamp_height_mm"]
+        laid = ["--lays", lays, "--board-thickness-mm", f"{-lamps_mm:.1f}"]
+    run(bin / "planar-experiment", "-q", "--cell", cell / "cell.yaml", "--out", cell / "made", *laid)
     for path in (cell / "made/ours").glob("*.yaml"):
         (cell / path.name).write_bytes(path.read_bytes())
 
@@ -203,11 +208,12 @@ def main():
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--first", type=int, default=901)
     parser.add_argument("--starts", type=int, default=20)
+    parser.add_argument("--lays", type=int, default=0)
     options = parser.parse_args()
     figures = Figures()
     for seed in range(options.first, options.first + options.seeds):
         cell, rng = options.out / f"{options.like}{seed}", random.Random(seed)
-        calibrated(options.bin, cell, options.like, seed)
+        calibrated(options.bin, cell, options.like, seed, options.lays)
         bare = (cell / "truth.yaml").read_text()
         marks_and_works(options.bin, cell, bare, rng, figures, 4)
         tools(options.bin, cell, bare, rng, figures, 6)

@@ -310,24 +310,39 @@ void LinuxcncLink::hear_mover(double patience_s) {
   if (!answer) return;
   awaits_mover_ = false;
   if (ends(*answer, kAckOf)) return;
-  controls_ = false;
-  refused_ = fmt::format("LinuxCNC refuses a move ({}): another client may have taken the control",
-                         *answer);
+  note_who_controls(fmt::format(
+      "LinuxCNC refuses a move ({}): another client may have taken the control", *answer));
 }
 
-/// Notes whether another client has taken the control since the move was sent.
+/// Notes whether the control has been taken since the move was sent.
 void LinuxcncLink::check_control() {
-  if (!controls_ || awaits_mover_ || ends(mover_.get("enable"), "ON")) return;
+  if (controls_ && !awaits_mover_ && !ends(mover_.get("enable"), "ON"))
+    note_who_controls("another client has taken the control of LinuxCNC");
+}
+
+/// What another client does to the position nobody knows; DeadMansHandle brakes.
+void LinuxcncLink::note_who_controls(const std::string& stranger) {
   controls_ = false;
-  refused_ = "another client has taken the control of LinuxCNC";
+  const bool is_ours = ends(stopper_.get("enable"), "ON");
+  if (!is_ours) ++losses_;
+  refused_ = is_ours ? fmt::format(
+                           "LinuxCNC was stopped because this program did not ask for "
+                           "{:.2f} s where it is: the computer is too busy",
+                           DeadMansHandle::kPatience_s)
+                     : stranger;
 }
 
 void LinuxcncLink::switch_on() {
   refused_.clear();
   controls_ = false;
   take_control();
-  set("estop off");
-  set("machine on");
+  const auto is = [&](const char* what, const char* how) {
+    return reader_.get(what).find(how) != std::string::npos;
+  };
+  if (is("estop", "ON") || !is("machine", "ON")) {  // `estop off` switches off what is on
+    set("estop off");
+    set("machine on");
+  }
   was_switched_on_ = true;
   for (const LinuxcncJoint& joint : host_.joints)
     if (!joint.has_switch &&
@@ -473,7 +488,10 @@ MachineState LinuxcncLink::read() {
   stopping_since_.reset();
   if (!rest_) check_control();
   if (!rest_) rest_ = here_;
-  if ((*rest_ - here_).cwiseAbs().maxCoeff() > kInPosition_counts && state.on)
+  const bool was_moved = (*rest_ - here_).cwiseAbs().maxCoeff() > kInPosition_counts && state.on;
+  if (was_moved && !was_moved_) ++losses_;
+  was_moved_ = was_moved;
+  if (was_moved)
     state.faults.push_back(
         fmt::format("joints stand at {} counts, where they rested at {}: another "
                     "client has moved them",

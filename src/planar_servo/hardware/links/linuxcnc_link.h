@@ -106,6 +106,7 @@ class LinuxcncLink final : public MachineLink {
   void home(const LinuxcncJoint& joint);
   void hear_mover(double patience_s);
   void check_control();
+  void note_who_controls(const std::string& stranger);
   Pulses counts() const;
   MachineState state_now();
 
@@ -126,6 +127,7 @@ class LinuxcncLink final : public MachineLink {
   int losses_{0};
   bool was_switched_on_{false};  ///< by this program
   bool was_on_{false};
+  bool was_moved_{false};  ///< by another client, since the last rest
   std::optional<int> homing_joint_;
 };
 
