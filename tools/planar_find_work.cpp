@@ -84,17 +84,11 @@ void add_options(CLI::App& app, Options& options) {
   add_report_option(app, options.report);
 }
 
-WorkSettings settings_of(const Options& options, const CalibratedCell& cell) {
+WorkSettings settings_of(const Options& options) {
   WorkSettings settings;
   settings.allowed = value_named(kWorkMaps, options.map).value();
   settings.drawing_sigma = options.drawing_sigma_mm * kMillimetre;
   settings.all = options.all;
-  if (uses_error_map(cell)) {
-    const std::vector<Origin> origins = read_origins(cell.settings.error_map);
-    settings.map_knows_lays = std::any_of(origins.begin(), origins.end(), [](const Origin& origin) {
-      return origin.role == Role::kLays;
-    });
-  }
   if (!options.near.empty())
     settings.place = WorkPlace{{Eigen::Vector2d(options.near[0], options.near[1]) * kMillimetre,
                                 options.near.size() > 2 ? options.near[2] * kDegree : 0.0},
@@ -126,7 +120,7 @@ Outcome find(const Options& options) {
   const std::vector<Frame> frames = options.images.empty() ? new_frames(options, settings)
                                                            : saved_frames(options.images, settings);
   const std::vector<FoundWork> works =
-      find_work(frames, *cell.vision, drawing, settings_of(options, cell));
+      find_work(frames, *cell.vision, drawing, settings_of(options));
   for (const FoundWork& work : works)
     for (const std::string& remark : work.remarks)
       spdlog::warn((work.id.empty() ? "" : "work " + work.id + ": ") + remark);

@@ -212,7 +212,7 @@ MeasuredMarks measure_marks(const Constellation& constellation,
 
 /// Adds to all marks in common what the map has of the lamps' rims and glow instead of the lens:
 /// reflections and smears shift a centre by up to 0.026 px, rms per axis (doc/lamps.md), and the
-/// map takes the mean of it for the lens's.
+/// map takes the mean of it for the lens's. Boards do not tell it, whose place is free.
 void add_lamps_share(WorkMarks& marks, const VisionCalibration& vision) {
   constexpr double kLamps_px = 0.03;
   const double scale = px_per_m(vision.workplane, marks.p_B.rowwise().mean());
@@ -228,7 +228,7 @@ FoundWork work_at(const Constellation& constellation, const std::vector<MarkCand
                   const std::vector<Picture>& pictures, const VisionCalibration& vision,
                   const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
   auto [means, marks] = measure_marks(constellation, candidates, pictures, vision, drawing);
-  if (!settings.map_knows_lays) add_lamps_share(marks, vision);
+  add_lamps_share(marks, vision);
   const WorkFit fit =
       fit_to_drawing(marks, settings.drawing_sigma, settings.allowed, vision, drawing.front().z);
   FoundWork work;
@@ -262,10 +262,10 @@ void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCali
     work.remarks.emplace_back(
         "the error map does not tell the lens from the lamps: nothing is taken off the marks, and "
         "its error stands in their uncertainty");
-  else if (!settings.map_knows_lays)
+  else
     work.remarks.emplace_back(
-        "no board was laid for the error map: a shift common to all marks, of what it has of the "
-        "lamps instead of the lens, stands in the uncertainty");
+        "a shift common to all marks, of what the error map has of the lamps instead of the lens, "
+        "stands in the uncertainty");
 }
 
 void number_works(std::vector<FoundWork>& works) {

@@ -23,8 +23,6 @@ struct WorkSettings {
   double drawing_sigma{20e-6};
   std::optional<WorkPlace> place{};  ///< none: anywhere in the picture
   bool all{false};                   ///< of several works of the same drawing
-  /// Boards laid on the plane fixed the error map, so that it has nothing of the lamps' own.
-  bool map_knows_lays{false};
 };
 
 /// A mark of a workpiece that was found.

@@ -1,6 +1,7 @@
 #include "planar_servo/hardware/links/linked_drives.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <thread>
@@ -57,6 +58,7 @@ void LinkedDrives::reconnect() {
 }
 
 void LinkedDrives::lose(const std::string& why) {
+  spdlog::warn(fmt::format("{}: {}", name_, why));
   link_.reset();
   error_ = why;
   homing_joint_.reset();
@@ -87,8 +89,11 @@ void LinkedDrives::read() {
 void LinkedDrives::take(const MachineState& state) {
   const bool is_lost = state.losses != state_.losses;
   state_ = state;
-  if (is_lost)
+  if (is_lost) {
+    spdlog::warn(fmt::format("{}: its position is not certain any more{}", name_,
+                             state.faults.empty() ? "" : ": " + state.faults.front()));
     for (Joint& joint : joints_) joint.certain = false;
+  }
   if (state.moving || state.homing) return;
   if (homing_joint_ && !is_lost && state.faults.empty())
     joints_[*homing_joint_] = {state.counts[static_cast<int>(*homing_joint_)], true};

@@ -42,6 +42,12 @@ bool ends(const std::string& text, const std::string& with) {
          text.compare(text.size() - with.size(), with.npos, with) == 0;
 }
 
+/// Returns whether a word of an answer, which begins there, is `name` in large letters.
+bool names(const std::string& answer, std::size_t begin, const std::string& name) {
+  return answer.size() > begin + name.size() && answer[begin + name.size()] == ' ' &&
+         strncasecmp(answer.c_str() + begin, name.c_str(), name.size()) == 0;
+}
+
 /// The values of an INI file, as "SECTION.KEY".
 std::map<std::string, std::string> values_in(std::istream& ini) {
   std::map<std::string, std::string> values;
@@ -184,13 +190,8 @@ std::string RshConnection::get(const std::string& what) {
   for (int i = 0; i < kTries; ++i) {
     send("get " + what);
     answer = hear(kSurely_s);
-    const std::size_t word = answer ? answer->find(' ') : 0;
-    const bool is_its = answer && word == name.size() &&
-                        std::equal(name.begin(), name.end(), answer->begin(),
-                                   [](unsigned char asked, unsigned char said) {
-                                     return std::toupper(asked) == std::toupper(said);
-                                   });
-    if (is_its && !ends(*answer, kNakOf)) return answer->substr(word + 1);
+    if (answer && names(*answer, 0, name) && !ends(*answer, kNakOf))
+      return answer->substr(name.size() + 1);
     while (hear(std::chrono::duration<double>(kApart).count())) {
     }
   }
@@ -279,13 +280,16 @@ LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
 }
 
 void LinuxcncLink::set(const std::string& what) {
+  constexpr int kTries = 3;  // the line may get lost, and an answer be that to the line before
+  const std::string name = what.substr(0, what.find(' '));
   std::optional<std::string> answer;
-  constexpr int kTries = 2;  // the line or its answer may get lost
-  for (int i = 0; i < kTries && !answer; ++i) {
+  for (int i = 0; i < kTries; ++i) {
     mover_.send("set " + what);
     answer = mover_.hear(kAnswer_s);
+    if (answer && names(*answer, std::strlen("SET "), name) && ends(*answer, kAckOf)) return;
+    while (mover_.hear(kLateAnswer_s)) {
+    }
   }
-  if (answer && ends(*answer, kAckOf)) return;
   throw WorkError({fmt::format("LinuxCNC refuses 'set {}': {}", what, answer.value_or("no answer")),
                    "another client may have taken the control: close it; or look at LinuxCNC's "
                    "own messages"});
