@@ -88,10 +88,11 @@ def run(bin, out, kind, targets):
         text = re.sub(r"program: \[.*?\](?=[,}\n])", drives_text(kind, folder), (folder / "live.yaml").read_text())
         (folder / "live.yaml").write_text(text.replace("kind: command", f"kind: {kind}"))
     begun = time.monotonic()
-    done = subprocess.run([bin / "planar-servo", "-q", "--cell", folder / "live.yaml", "--targets", targets, "--out",
+    done = subprocess.run([bin / "planar-servo", "--cell", folder / "live.yaml", "--targets", targets, "--out",
                            folder / "run", "--no-health", "--home" if kind == "grbl" else "--at-marks"],
                           capture_output=True, text=True)
     seconds = time.monotonic() - begun
+    (folder / "log.txt").write_text(done.stderr)
     for helper in reversed(helpers):
         helper.terminate()
     if kind == "linuxcnc":
@@ -101,7 +102,7 @@ def run(bin, out, kind, targets):
         raise SystemExit(f"{kind}: {done.stderr}")
     rows = list(csv.DictReader(line for line in open(folder / "run/results.csv") if line[0] != "#"))
     if done.returncode != 0:
-        print(f"{kind}: {done.stderr.strip()}", file=sys.stderr)
+        print(f"{kind}: {done.stderr.strip().splitlines()[-1]}", file=sys.stderr)
     if not rows:
         raise SystemExit(f"{kind}: no target was tried")
     return rows, seconds, folder

@@ -313,6 +313,7 @@ void LinuxcncLink::hear_mover(double patience_s) {
   const auto answer = mover_.hear(patience_s);
   if (!answer) return;
   awaits_mover_ = false;
+  changed_ = Clock::now();  // it may be about to begin
   if (ends(*answer, kAckOf)) return;
   note_who_controls(fmt::format(
       "LinuxCNC refuses a move ({}): another client may have taken the control", *answer));
@@ -394,6 +395,7 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   mover_.send(line + fmt::format(" F{:.3f}", kPerMinute * speed_deg_s));
   std::this_thread::sleep_for(kApart);
   awaits_mover_ = true;
+  changed_ = Clock::now();
   target_ = counts;
   told_to_stop_.reset();
   stopping_since_.reset();
