@@ -313,7 +313,7 @@ void LinuxcncLink::hear_mover(double patience_s) {
   const auto answer = mover_.hear(patience_s);
   if (!answer) return;
   awaits_mover_ = false;
-  changed_ = Clock::now();  // it may be about to begin
+  if (!rest_) changed_ = Clock::now();  // it may be about to begin
   if (ends(*answer, kAckOf)) return;
   note_who_controls(fmt::format(
       "LinuxCNC refuses a move ({}): another client may have taken the control", *answer));
