@@ -1,16 +1,16 @@
-# planar_install_library(EXCEPT ROOM... HEADERS FOLDER...): what `cmake --install BUILD --component
-# library` hands to other projects: one static library per room but these, the headers directly in
-# these folders with all that they include, and the package planar_servo with a target
-# planar_servo::ROOM for each and planar_servo::planar_servo for all. `--component api` has Doxygen
-# make the pages of those headers.
+# planar_install_library(EXCEPT ROOM... HEADERS PATTERN...): what `cmake --install BUILD --component
+# library` hands to other projects: one static library per room but these, the headers below
+# src/planar_servo of these names (without .h) with all that they include, and the package
+# planar_servo with a target planar_servo::ROOM for each and planar_servo::planar_servo for all.
+# `--component api` has Doxygen make the pages of those headers.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# planar_public_headers(VARIABLE FOLDER...): the headers directly in these folders of planar_servo and
-# all that they include, relative to src.
+# planar_public_headers(VARIABLE PATTERN...): these headers of planar_servo and all that they include,
+# relative to src.
 function(planar_public_headers variable)
   set(src ${PROJECT_SOURCE_DIR}/src)
-  list(TRANSFORM ARGN REPLACE "(.+)" "${src}/planar_servo/\\1/*.h")
+  list(TRANSFORM ARGN REPLACE "(.+)" "${src}/planar_servo/\\1.h")
   file(GLOB open CONFIGURE_DEPENDS RELATIVE ${src} ${ARGN})
   set(headers "")
   while(open)

@@ -9,8 +9,8 @@
 #include "planar_servo/hardware/drives/drive_kinds.h"
 #include "planar_servo/hardware/links/link_kinds.h"
 #include "planar_servo/machine/plausibility.h"
+#include "planar_servo/machine/touching_drives.h"
 #include "planar_servo/machine/trackers/tracker_kinds.h"
-#include "planar_servo/virtual_cell/touching_drives.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
 

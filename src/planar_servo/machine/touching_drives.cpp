@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/touching_drives.h"
+#include "planar_servo/machine/touching_drives.h"
 
 #include <fmt/format.h>
 
