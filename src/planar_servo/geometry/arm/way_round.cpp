@@ -145,14 +145,14 @@ class CellSearch {
   }
 
   void leave(const Cell& cell, std::size_t index) {
-    for (std::uint8_t way = 0; way < std::size(kNeighbours); ++way) {
+    for (std::size_t way = 0; way < std::size(kNeighbours); ++way) {
       const Cell next{cell.i + kNeighbours[way][0], cell.j + kNeighbours[way][1]};
       if (!box_.contains(next)) continue;
       const std::size_t there = box_.index(next);
       const float length = lengths_[index] + distance(cell, next);
       if (lengths_[there] <= length || !may_pass_(cell, next)) continue;
       lengths_[there] = length;
-      ways_[there] = way;
+      ways_[there] = static_cast<std::uint8_t>(way);
       open_.push({length + distance(next, to_), there});
     }
   }
@@ -178,7 +178,7 @@ std::vector<Cell> way_over(RoomGrid& grid, const Cell& goal, const CellSearch::M
     state = there.advance(kAtATime);
     if (state == State::kNone || back.advance(kAtATime) == State::kNone) return {};
   }
-  const std::vector<Cell> cells = there.way();
+  std::vector<Cell> cells = there.way();
   const auto passes = [&](const Cell& from, const Cell& to) {
     const bool are_whole = grid.is_whole(from) && grid.is_whole(to) && !(to == goal);
     return is_open(from, to) && (are_whole || may_pass(from, to));

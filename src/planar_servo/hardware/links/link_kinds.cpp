@@ -151,7 +151,7 @@ void check_line(Fields& drive, const CellSettings& cell, std::size_t joint, std:
 /// installed or in the checkout. Throws InputError naming where it is not.
 std::filesystem::path map_file(const CellSettings& cell, const std::string& name) {
   namespace fs = std::filesystem;
-  const fs::path beside = cell.file.parent_path() / name;
+  fs::path beside = cell.file.parent_path() / name;
   if (fs::exists(beside)) return beside;
   std::error_code unknown;
   const fs::path programs = fs::read_symlink("/proc/self/exe", unknown).parent_path();
