@@ -122,12 +122,10 @@ void bind_lamp_field(py::module_& m) {
       py::arg("marks") = py::none(), py::arg("marks_sigma") = 2e-5,
       py::arg("pictures") = py::list(), py::arg("map") = py::none(), py::arg("arm") = py::none(),
       "Fits the field at the lamps together with the arm of a cell to its pairs.csv and, if any,\n"
-      "its lays.csv, as planar-fit-error-map --cell does. bar and marks are tables of the two "
-      "marks\n"
-      "of a bar of certified length and of the base's marks, pictures the whole pictures that "
-      "show\n"
-      "them; bar_sigma and marks_sigma are the deviations of the length and of a mark's place per\n"
-      "axis, metres. map and arm are files to write.");
+      "its lays.csv, as planar-fit-error-map --cell does. bar and marks are tables of the two\n"
+      "marks of a bar of certified length and of the base's marks, pictures the whole pictures\n"
+      "that show them; bar_sigma and marks_sigma are the deviations of the length and of a\n"
+      "mark's place per axis, metres. map and arm are files to write.");
 }
 
 }  // namespace planar::python

@@ -113,6 +113,8 @@ TEST_CASE("A bar and marks beside the cell file enter the fit of the map") {
   CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).what, Contains("0 of 8 pictures of"));
   CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).command, Contains("planar-record --cell"));
   std::filesystem::create_directory(folder / "bar");
+  folder.write("bar/marks.png", "");
+  CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).what, Contains("0 of 8 pictures of"));
   for (const char digit : std::string("01234567"))
     folder.write(std::string("bar/bar_0") + digit + ".png", "");
   const WorkStep map = next_of(work_steps(cell, kUsualBoard));

@@ -134,6 +134,10 @@ class LampFields(Recorded):
         cell, pairs = self.cell / "cell.yaml", self.cell / "pairs.csv"
         fit = ps.fit_lamp_field
         refused(self, "arm", fit, cell, pairs, arm=self.folder / "arm.yaml")
+        bar = self.folder / "bar.csv"
+        refused(self, "pictures", fit, cell, pairs, bar=bar)
+        refused(self, "pictures", fit, cell, pairs, bar=bar, pictures=[np.zeros((4, 5), np.uint8)])
+        refused(self, "bar_sigma", fit, cell, pairs, bar=bar, bar_sigma=0, pictures=[np.zeros((4, 5), np.uint8)])
         refused(self, str(pairs), fit, cell, pairs, map=pairs)
         refused(self, str(self.folder / "no/map.yaml"), fit, cell, pairs, map=self.folder / "no/map.yaml")
         with self.assertRaisesRegex(ps.InputError, "planar-pair-tracker"):  # pairs of another workplane

@@ -149,7 +149,9 @@ WorkStep pair_step(const WorkFiles& work, bool is_read) {
 std::optional<WorkStep> anchor_step(const WorkFiles& work, bool is_read) {
   if (work.anchors().empty()) return std::nullopt;
   const bool has_bar = fs::exists(bar(work));
-  const std::size_t there = pictures_in(bar_folder(work)).size(), wanted = has_bar ? kBarPlaces : 1;
+  const std::size_t wanted = has_bar ? kBarPlaces : 1;
+  const std::size_t there =
+      has_bar ? bar_pictures(bar_folder(work)).size() : fs::exists(bar_folder(work) / "marks.png");
   const std::string folder = shell_word(bar_folder(work));
   Reason reason;
   if (is_read && there < wanted)

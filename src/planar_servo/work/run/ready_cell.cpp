@@ -256,7 +256,7 @@ void ReadyCell::recover_drives(const std::string& id, const std::string& reason)
   try {
     robot_.recover(kDrivePatience_s);
     home();
-  } catch (const WorkError& error) {
+  } catch (const DriveError& error) {
     Refusal both = error.refusal();
     both.fault = reason + "; " + both.fault;
     throw DriveError(both);

@@ -73,11 +73,12 @@ BarStance next_stance(const std::vector<BarStance>& wanted, const std::vector<Ba
       [&](const BarStance& a, const BarStance& b) { return nearest(a) < nearest(b); });
 }
 
-std::vector<fs::path> pictures_in(const fs::path& folder) {
+std::vector<fs::path> bar_pictures(const fs::path& folder) {
   std::vector<fs::path> pictures;
   if (!fs::exists(folder)) return pictures;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".png") pictures.push_back(entry.path());
+    if (entry.path().extension() == ".png" && entry.path().stem().string().rfind("bar_", 0) == 0)
+      pictures.push_back(entry.path());
   std::sort(pictures.begin(), pictures.end());
   return pictures;
 }
@@ -89,7 +90,7 @@ std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionC
   const double length = (bar[1].p_W - bar[0].p_W).norm();
   const std::vector<BarStance> stances = bar_stances(workspace.radius_max_m, length, wanted);
   std::vector<BarStance> taken;
-  std::size_t there = pictures_in(folder).size();
+  std::size_t there = bar_pictures(folder).size();
   while (there < wanted && !stop()) {
     const std::string question = fmt::format(
         "{} of {} pictures of the bar; lay it with {}, then Enter, or end with q: ", there, wanted,
@@ -109,7 +110,7 @@ std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionC
     }
     if (!person.is_attended()) break;
   }
-  return pictures_in(folder);
+  return bar_pictures(folder);
 }
 
 }  // namespace planar

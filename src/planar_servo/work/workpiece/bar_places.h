@@ -32,8 +32,8 @@ BarStance next_stance(const std::vector<BarStance>& wanted, const std::vector<Ba
 /// How many places of a bar are measured.
 constexpr std::size_t kBarPlaces = 8;
 
-/// Returns the pictures of a folder, which may not exist yet.
-std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder);
+/// Returns the pictures of a bar in a folder, which may not exist yet.
+std::vector<std::filesystem::path> bar_pictures(const std::filesystem::path& folder);
 
 /// Takes pictures of a bar, place by place, guiding the person who lays it, until there are as many
 /// as wanted or the person ends it; those that the folder has count. Unattended, it takes one. Each
