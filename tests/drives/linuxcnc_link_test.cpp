@@ -236,10 +236,10 @@ TEST_CASE("Another client that takes LinuxCNC or moves it is noticed") {
     stranger.say("set mode mdi");
     stranger.say("set mdi G91 G1 B2 F600");
     REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
-    CHECK_THAT(drives.status()[0].faults.front(), Contains("another client has moved them"));
+    CHECK_THAT(drives.status()[0].faults.front(), Contains("moved by somebody else"));
     CHECK_FALSE(drives.status()[0].position_certain);
     REQUIRE(all_rest(drives));
-    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("another client"));
+    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("moved by somebody else"));
     stranger.say("set mdi G90");
   }
 }

@@ -2,9 +2,10 @@
 
 modbus_drivers.py EXAMPLES PORT [--make leadshine|oriental] [--low-first] [--at COUNT,COUNT,COUNT] [--addresses A,B,C]
                   [--lose N] [--garble N] [--late N] [--stranger N] [--mute-moving A] [--alarm-moving A]
-                  [--stall-moving A] [--end-moving] [--hang-moving] [--after S] [--deaf-to-start] [--shafts PIPE]
+                  [--stall-moving A] [--end-moving] [--hang-moving] [--after S] [--deaf-to-start] [--deaf-to-home]
+                  [--shafts PIPE]
 
-It says "ready" once PORT is there. Of answers each N-th is lost, garbled, 0.3 s late, or another slave's. S seconds
+It says "ready" once PORT is there. Of answers each N-th is lost, garbled, 0.15 s late, or another slave's. S seconds
 (0.1) into its first move a driver of address A says nothing more, stops with an alarm, or stops and says nothing of it,
 or the adapter is gone or says nothing for 2 s. PIPE gets a line of counts whenever a motor has turned.
 """
@@ -26,10 +27,10 @@ ALARM = 0x0E0
 class Driver:
     """One motor behind registers: what pymodbus' requests read and write."""
 
-    def __init__(self, make, low_first, at):
-        self.make, self.low_first = make, low_first
+    def __init__(self, make, low_first, at, deaf_to_home):
+        self.make, self.low_first, self.deaf_to_home = make, low_first, deaf_to_home
         self.machine, self.offset = Machine(), at
-        self.words, self.armed, self.alarm, self.moved_s = {}, None, 0, None
+        self.words, self.armed, self.alarm, self.moved_s, self.searches = {}, None, 0, None, False
 
     def position(self):
         return self.offset + self.machine.counts()[0]
@@ -47,7 +48,8 @@ class Driver:
         moving = self.machine.moves()
         if self.make == "leadshine":
             return [(self.alarm != 0) | self.machine.on << 1 | moving << 2]
-        return self.longs((self.alarm != 0) << 7 | moving << 13)
+        homed = self.searches and not moving and self.position() == 0
+        return self.longs(homed << 4 | (self.alarm != 0) << 7 | moving << 13)
 
     def live(self):
         """Registers that tell, by their first address."""
@@ -80,16 +82,24 @@ class Driver:
             elif address == 0x6002 and values[0] == 0x40:
                 self.machine.stop()
             elif address == 0x6002 and values[0] == 0x20:
-                self.armed = 0, 5000.0, 50000.0
-                self.start()
+                self.search()
         elif address == 0x0066:
             self.machine.on = True
             self.armed = self.long_at(0x5C), self.long_at(0x5E), self.long_at(0x60)
+            self.searches = False
             self.start()
+        elif address == 0x007C and self.long_at(0x7C) == 0x10:
+            self.machine.on = True
+            self.search()
         elif address == 0x007C and self.long_at(0x7C) == 0x20:
             self.machine.stop()
         elif address == 0x007C and self.long_at(0x7C) == 0x80:
             self.alarm = 0
+
+    def search(self):
+        if not self.deaf_to_home:
+            self.armed, self.searches = (0, 5000.0, 50000.0), True
+            self.start()
 
     def start(self):
         if self.armed is None or not self.machine.on or self.alarm or self.machine.moves():
@@ -109,7 +119,7 @@ class Driver:
 class Line:
     def __init__(self, options):
         self.options, self.answers = options, 0
-        self.drivers = {address: Driver(options.make, options.low_first, at)
+        self.drivers = {address: Driver(options.make, options.low_first, at, options.deaf_to_home)
                         for address, at in zip(options.addresses, options.at)}
         self.framer = ModbusRtuFramer(ServerDecoder())
         self.inner, outer = os.openpty()
@@ -162,7 +172,7 @@ class Line:
         if due(self.options.stranger):
             telegram = bytes([9]) + telegram[1:]
         if due(self.options.late):
-            time.sleep(0.3)
+            time.sleep(0.15)
         os.write(self.inner, telegram)
 
     def serve(self):
@@ -197,7 +207,7 @@ parser.add_argument("--at", type=numbers, default=[0, 0, 0])
 parser.add_argument("--addresses", type=numbers, default=[1, 2, 3])
 for name in ("lose", "garble", "late", "stranger", "mute-moving", "alarm-moving", "stall-moving"):
     parser.add_argument(f"--{name}", type=int)
-for name in ("low-first", "deaf-to-start", "end-moving", "hang-moving"):
+for name in ("low-first", "deaf-to-start", "deaf-to-home", "end-moving", "hang-moving"):
     parser.add_argument(f"--{name}", action="store_true")
 parser.add_argument("--after", type=float, default=0.1)
 parser.add_argument("--shafts")

@@ -97,9 +97,10 @@ TEST_CASE("Drivers of two makes go where they are sent, together, and brake when
 
 TEST_CASE("Telegrams that are lost, garbled, late or a stranger's are repeated, and counted") {
   REQUIRE_PYMODBUS();
-  const std::string fault = GENERATE("--lose", "--garble", "--stranger");
+  const std::string fault = GENERATE("--lose", "--garble", "--stranger", "--late");
   INFO(fault);
-  const Bus bus({fault, "7"});
+  // Of this make status and position are alike, so that one could be taken for the other.
+  const Bus bus({fault, "7", "--make", "oriental", "--at", "70000,0,0"}, "oriental-az");
   LinkedDrives drives = bus.drives();
   make_ready(drives);
   drives.set_targets({5000, 5000, -5000});
@@ -109,7 +110,20 @@ TEST_CASE("Telegrams that are lost, garbled, late or a stranger's are repeated, 
   for (int i = 0; i < 10; ++i) link.read();
   const LineErrors& errors = link.errors();
   CHECK(errors.telegrams > 60);
-  CHECK((fault == "--lose" ? errors.unanswered : errors.garbled) >= errors.telegrams / 10);
+  const bool is_silence = fault == "--lose" || fault == "--late";
+  CHECK((is_silence ? errors.unanswered : errors.garbled) >= errors.telegrams / 10);
+}
+
+TEST_CASE("An answer may take longer than a second where the cell says so") {
+  REQUIRE_PYMODBUS();
+  Bus bus({"--hang-moving", "--at", "70000,0,0"});
+  bus.line.answer_s = 3.0;
+  LinkedDrives drives = bus.drives();
+  make_ready(drives);
+  drives.set_targets({5000, 0, 0});
+  REQUIRE(all_rest(drives));
+  CHECK(positions(drives) == Targets{5000, 0, 0});
+  CHECK(drives.status()[0].position_certain);
 }
 
 TEST_CASE("A driver that says nothing is named with what to look at") {
@@ -222,6 +236,29 @@ TEST_CASE("Whatever strikes drivers on Modbus in a move is named, and the arm re
   }
 }
 
+TEST_CASE("A stop reaches the other drivers where one does not answer it") {
+  REQUIRE_PYMODBUS();
+  const test::TemporaryFolder folder;
+  const auto shafts = folder / "shafts";
+  const Bus bus(
+      {"--mute-moving", "1", "--after", "0.2", "--shafts", shafts.string(), "--at", "70000,0,0"});
+  LinkedDrives drives = bus.drives();
+  make_ready(drives);
+  drives.set_targets({30000, 30000, -30000});
+  SteadyClock clock;
+  clock.sleep_for_s(0.3);
+  CHECK_THROWS_WITH(drives.halt(), Contains("cannot be told to halt: drive 1 (address 1) does not "
+                                            "stop: no answer"));
+  Targets before{};
+  REQUIRE(test::eventually([&] {
+    const Targets seen = last_counts(shafts);
+    clock.sleep_for_s(0.1);
+    return std::exchange(before, seen) == seen && seen == last_counts(shafts);
+  }));
+  CHECK((before[1] > 0 && before[1] < 30000));
+  CHECK((before[2] < 0 && before[2] > -30000));
+}
+
 TEST_CASE("Words in the other order are refused before a move of 65,536 counts") {
   REQUIRE_PYMODBUS();
   SECTION("by the positions that the drivers tell") {
@@ -265,7 +302,9 @@ TEST_CASE("Drivers that do not begin are seen to rest elsewhere") {
 
 TEST_CASE("A home switch is searched by the driver, which counts from there") {
   REQUIRE_PYMODBUS();
-  const Bus bus({"--at", "900,0,0"});
+  const bool is_oriental = GENERATE(false, true);
+  const Bus bus({"--at", "900,0,0", "--make", is_oriental ? "oriental" : "leadshine"},
+                is_oriental ? "oriental-az" : "leadshine-rs");
   LinkedDrives drives = bus.drives();
   drives.energize();
   drives.start_homing(0, HomeDirection::kReverse);
@@ -274,6 +313,33 @@ TEST_CASE("A home switch is searched by the driver, which counts from there") {
   CHECK(drives.status()[0].position_certain);
   CHECK(drives.status()[0].position_pulses == 0);
   CHECK_FALSE(drives.status()[1].position_certain);
+}
+
+TEST_CASE(
+    "A search that does not find its home switch is a fault, and leaves the joint uncertain") {
+  REQUIRE_PYMODBUS();
+  struct Failure {
+    std::vector<std::string> options;
+    std::string map, said;
+  };
+  const auto [options, map, said] = GENERATE(
+      values<Failure>({{{"--deaf-to-home"}, "leadshine-rs", "did not begin to move"},
+                       {{"--make", "oriental", "--stall-moving", "1"}, "oriental-az", "gave up"}}));
+  INFO(said);
+  std::vector<std::string> all = options;
+  for (const char* word : {"--at", "9000,0,0"}) all.emplace_back(word);
+  const Bus bus(all, map);
+  LinkedDrives drives = bus.drives();
+  drives.energize();
+  drives.start_homing(0, HomeDirection::kReverse);
+  REQUIRE(test::eventually([&] { return !drives.status()[0].homing; }));
+  const DriveStatus status = drives.status()[0];
+  CHECK_FALSE(status.position_certain);
+  REQUIRE(status.faults.size() == 1);
+  CHECK_THAT(status.faults[0],
+             Contains("drive 1 (address 1) has not found its home switch: it " + said));
+  drives.energize();
+  CHECK(drives.status()[0].faults.empty());
 }
 
 TEST_CASE("A map of registers is read, and each fault of it named") {
@@ -303,6 +369,8 @@ TEST_CASE("A map of registers is read, and each fault of it named") {
   CHECK_THAT(refusal_of("position speed", "position 1"), Contains("writes no speed"));
   CHECK_THAT(refusal_of("0x1014 2", "0x1014 1"), Contains("a position needs two"));
   CHECK_THAT(refusal_of("moving: \"2\"", "moving: \"16\""), Contains("is bit 16 of 16"));
+  CHECK_THAT(refusal_of("on: \"1\"", "homed: \"16\""), Contains("is bit 16 of 16"));
+  CHECK(read_modbus_map(PLANAR_MODBUS_MAPS "/oriental-az.yaml").homed->bit == 4);
   CHECK_THAT(refusal_of("0x6002: 0x10", "0x16002: 0x10"), Contains("not understood"));
   CHECK_THAT(refusal_of("speed: rpm", "speed: rps"), Contains("counts_per_s"));
   CHECK_THAT(refusal_of("speed: rpm", "speed: 0 rpm"), Contains("such as 0.01 rpm"));

@@ -5,8 +5,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/hardware/links/linked_drives.h"
 #include "planar_servo/hardware/robot/homing.h"
 #include "support/finite_differences.h"
 #include "support/robot_bench.h"
@@ -22,6 +24,16 @@ using test::transmission_settings;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFiniteDifference = 1e-9;  // fourth order with a step of 1e-3
 const Joints kSomewhere{0.3, 1.5, -0.4};
+
+/// A machine that searches a home switch until it is stopped.
+struct SearchingMachine final : MachineLink {
+  void switch_on() override { state.on = true; }
+  void go_to(const Pulses&, const std::array<DriveLimits, 3>&) override {}
+  void stop() override { state.moving = state.homing = false; }
+  void search_home(int, HomeDirection) override { state.moving = state.homing = true; }
+  MachineState read() override { return state; }
+  MachineState state;
+};
 
 }  // namespace
 
@@ -104,6 +116,18 @@ TEST_CASE("A drive that fails on its way halts all and is named") {
   ReadyBench again;
   again.drives[1].fault_on_the_way = "driver error";
   CHECK_THROWS_WITH(again.robot.move_to(kSomewhere), "drive 2 failed on its way: driver error");
+}
+
+TEST_CASE("A drive that loses its position on its way halts all and is named") {
+  ReadyBench bench;
+  const auto lose = [&]() -> std::optional<std::string> {
+    if (bench.clock.now_s() > 0.1) bench.drives[2].knows_position = false;
+    return std::nullopt;
+  };
+  CHECK_THROWS_WITH(bench.robot.move_to(kSomewhere, lose),
+                    "drive 3 has lost its position; home it first");
+  for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
+  CHECK_FALSE(bench.robot.known_pulses());
 }
 
 TEST_CASE("An arm whose guard objects slows down to rest and keeps its positions") {
@@ -270,6 +294,23 @@ TEST_CASE("A search that is stopped halts all and leaves the motor unhomed") {
   CHECK_THROWS_AS(bench.robot.search_home(1), StopRequested);
   for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
   CHECK(bench.robot.unhomed() == std::vector<int>{1});
+}
+
+TEST_CASE("A machine's search that is stopped or given up leaves the motor unhomed") {
+  const double stop_s = GENERATE(0.1, 1e9);
+  TransmissionSettings settings = transmission_settings();
+  settings.drives[1].home = HomeReference::kReverseSwitch;
+  const Transmission transmission(settings);
+  test::ManualClock clock;
+  LinkedDrives drives("the machine", transmission.rated_limits(),
+                      [] { return std::make_unique<SearchingMachine>(); });
+  PlanarRobot robot(PlanarArm({{0.3, 0.25}, Rotation::kClockwise}), transmission, drives, clock);
+  robot.energize();
+  for (const int joint : {0, 2}) robot.teach_home(joint);
+  robot.stop_when([&] { return clock.now_s() > stop_s; });
+  CHECK_THROWS_AS(robot.search_home(1), WorkError);
+  CHECK_FALSE(drives.status()[1].moving);
+  CHECK(robot.unhomed() == std::vector<int>{1});
 }
 
 TEST_CASE("Recovery waits until the fault is gone, and gives up after its patience") {

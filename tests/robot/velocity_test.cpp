@@ -3,10 +3,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/devices/forwarding_drives.h"
 #include "planar_servo/hardware/robot/visp_robot.h"
 #include "support/robot_bench.h"
 
@@ -53,6 +56,11 @@ struct TurningBench : test::ReadyBench {
   }
 
   int halts() const { return drives[0].halts + drives[1].halts + drives[2].halts; }
+};
+
+struct DrivesFromRestToRest final : ForwardingDrives {
+  using ForwardingDrives::ForwardingDrives;
+  std::optional<std::string> stream_refusal() const override { return "they brake to rest first"; }
 };
 
 /// As a drive says that turns; one that has arrived rests.
@@ -264,6 +272,17 @@ TEST_CASE("What a planar arm cannot do is refused before anything moves") {
   visp.setRobotState(vpRobot::STATE_POSITION_CONTROL);
   CHECK_THROWS_WITH(visp.setVelocity(vpRobot::JOINT_STATE, column({0, 0, 0})),
                     Catch::Contains("STATE_VELOCITY_CONTROL"));
+}
+
+TEST_CASE("Drives that brake to rest before each move are turned at no velocity") {
+  test::ReadyBench bench;
+  DrivesFromRestToRest drives(bench.group);
+  PlanarRobot robot(bench.robot.arm(), bench.robot.transmission(), drives, bench.clock);
+  CHECK_THROWS_WITH(robot.turn([](const Joints&) { return Joints(0.1, 0.0, 0.0); }),
+                    "the drives cannot be turned at velocities: they brake to rest first; move to "
+                    "positions instead");
+  CHECK(bench.nothing_was_sent());
+  CHECK_NOTHROW(robot.move_to({0.1, 0.1, 0.1}));
 }
 
 TEST_CASE("A straight arm turns its joints but takes no twist") {

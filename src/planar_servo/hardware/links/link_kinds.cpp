@@ -264,8 +264,8 @@ std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
 
 namespace {
 
-constexpr Named<char> kLinuxcncAxes[] = {{'A', "A"}, {'B', "B"}, {'C', "C"}, {'X', "X"}, {'Y', "Y"},
-                                         {'Z', "Z"}, {'U', "U"}, {'V', "V"}, {'W', "W"}};
+/// Those that turn: in the others G20 and G21 change what a number is, and F is along a way in mm.
+constexpr Named<char> kLinuxcncAxes[] = {{'A', "A"}, {'B', "B"}, {'C', "C"}};
 constexpr int kMostJoint = 15, kHighestPort = 65535;
 
 struct LinuxcncDetails final : DeviceDetails {

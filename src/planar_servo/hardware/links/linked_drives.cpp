@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -12,8 +13,8 @@
 namespace planar {
 namespace {
 
-/// No machine of this size brakes for longer.
-constexpr std::chrono::milliseconds kBrakingPatience{2000};
+/// Beyond the time that the motors need to brake.
+constexpr double kBrakingMargin_s = 2.0;
 constexpr std::chrono::milliseconds kBrakingPoll{2};
 
 }  // namespace
@@ -43,6 +44,7 @@ void LinkedDrives::open() {
   missed_.clear();
   goal_.reset();
   held_.reset();
+  rest_.reset();
   homing_joint_.reset();
   for (Joint& joint : joints_) joint.certain = false;
   try {
@@ -89,16 +91,29 @@ void LinkedDrives::read() {
 void LinkedDrives::take(const MachineState& state) {
   const bool is_lost = state.losses != state_.losses;
   state_ = state;
-  if (is_lost) {
-    spdlog::warn(fmt::format("{}: its position is not certain any more{}", name_,
-                             state.faults.empty() ? "" : ": " + state.faults.front()));
-    for (Joint& joint : joints_) joint.certain = false;
-  }
+  if (is_lost) forget(state.faults.empty() ? "" : ": " + state.faults.front());
   if (state.moving || state.homing) return;
   if (homing_joint_ && !is_lost && state.faults.empty())
     joints_[*homing_joint_] = {state.counts[static_cast<int>(*homing_joint_)], true};
   homing_joint_.reset();
+  check_rest();
   judge_rest();
+}
+
+void LinkedDrives::forget(const std::string& why) {
+  spdlog::warn(fmt::format("{}: its position is not certain any more{}", name_, why));
+  for (Joint& joint : joints_) joint.certain = false;
+}
+
+void LinkedDrives::check_rest() {
+  if (!rest_) rest_ = state_.counts;
+  if ((state_.counts - *rest_).cwiseAbs().maxCoeff() <= in_position_) return;
+  const std::string why = fmt::format(
+      "it stands at {} counts, where it rested at {}: it was restarted, or moved by somebody else",
+      fmt::join(state_.counts, ", "), fmt::join(*rest_, ", "));
+  forget(": " + why);
+  if (state_.on) missed_ = why + "; `enable` clears this";
+  rest_ = state_.counts;
 }
 
 void LinkedDrives::judge_rest() {
@@ -118,7 +133,9 @@ void LinkedDrives::judge_rest() {
 
 void LinkedDrives::energize() {
   command("be switched on", [this] {
+    take(link_->read());  // it may have been restarted
     missed_.clear();
+    rest_.reset();  // a motor may turn a little as it gets its current
     link_->switch_on();
     take(link_->read());
   });
@@ -132,38 +149,59 @@ void LinkedDrives::set_limits(const std::array<DriveLimits, 3>& limits) {
 void LinkedDrives::brake_to_rest() {
   link_->stop();
   goal_.reset();
-  const auto deadline = std::chrono::steady_clock::now() + kBrakingPatience;
+  homing_joint_.reset();
+  double braking_s = 0.0;
+  for (const DriveLimits& rated : rated_)
+    braking_s = std::max(braking_s, rated.speed_pulses_s / rated.acceleration_pulses_s2);
+  const std::chrono::duration<double> patience(kBrakingMargin_s + braking_s);
+  const auto begun = std::chrono::steady_clock::now();
   for (take(link_->read()); state_.moving; take(link_->read())) {
-    if (std::chrono::steady_clock::now() > deadline)
-      throw WorkError(fmt::format("it still moves {:.0f} s after it was told to stop",
-                                  std::chrono::duration<double>(kBrakingPatience).count()));
+    if (std::chrono::steady_clock::now() - begun > patience)
+      throw WorkError(
+          fmt::format("it still moves {:.0f} s after it was told to stop", patience.count()));
     std::this_thread::sleep_for(kBrakingPoll);
   }
 }
 
+/// Returns why the machine cannot be sent anywhere, or nothing.
+std::string LinkedDrives::hindrance() const {
+  if (!link_) return error_;
+  if (!state_.faults.empty()) return state_.faults.front();
+  if (!missed_.empty()) return missed_;
+  if (state_.homing) return "it is being homed";
+  if (!state_.on) return "it is not switched on";
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!joints_[i].certain) return fmt::format("the position of drive {} is not certain", i + 1);
+  return "";
+}
+
+void LinkedDrives::require_ready() const {
+  if (const std::string why = hindrance(); !why.empty())
+    throw DriveError(fmt::format("{} cannot move: {}", name_, why));
+}
+
 void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) {
   read();
-  if (link_ && !(state_.on && state_.faults.empty() && missed_.empty() && !state_.homing))
-    throw DriveError(fmt::format("{} cannot move: {}", name_,
-                                 !state_.faults.empty() ? state_.faults.front()
-                                 : !missed_.empty()     ? missed_
-                                 : state_.homing        ? "it is being homed"
-                                                        : "it is not switched on"));
+  require_ready();
   Pulses target;
   for (std::size_t i = 0; i < 3; ++i)
     target[static_cast<int>(i)] = targets_pulses[i] + joints_[i].zero;
   if (goal_ == target) return;
+  if (state_.moving) {
+    halt();
+    require_ready();
+  }
+  if (state_.counts == target) return;
   command("move", [&] {
-    if (state_.moving) brake_to_rest();
-    if (state_.counts == target) return;
+    rest_.reset();
+    state_.moving = true;  // it may, even if it gets out of touch now
     link_->go_to(target, limits_);
     goal_ = target;
-    state_.moving = true;
   });
 }
 
 void LinkedDrives::halt() {
-  if (!link_) return;
+  if (!link_ && !state_.moving) return;
   command("be told to halt", [this] { brake_to_rest(); });
 }
 
@@ -195,10 +233,11 @@ void LinkedDrives::start_homing(int joint, HomeDirection direction) {
   const auto i = static_cast<std::size_t>(joint);
   joints_.at(i).certain = false;
   command("be homed", [&] {
+    rest_.reset();
+    state_.homing = state_.moving = true;
     link_->search_home(joint, direction);
     homing_joint_ = i;
     goal_.reset();
-    state_.homing = state_.moving = true;
   });
 }
 

@@ -13,7 +13,7 @@ namespace planar {
 
 /// Drives three motors through the link to a controller that moves them. Positions are certain from
 /// the homing or the declaration of a joint until the link is opened again, the machine says that
-/// it is lost, or it is out of touch.
+/// it is lost, its counts change at rest, or it is out of touch.
 class LinkedDrives final : public DriveGroup {
  public:
   using Open = std::function<std::unique_ptr<MachineLink>()>;
@@ -31,9 +31,11 @@ class LinkedDrives final : public DriveGroup {
   void energize() override;
   /// Throws InputError for limits beyond the cell's.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
-  /// A machine that moves is braked to rest first.
+  /// A machine that moves is braked to rest first. Throws DriveError unless all positions are
+  /// certain.
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
-  /// These brake to rest and wait for it; the positions stay certain.
+  /// These brake to rest and wait for it; the positions stay certain. They throw DriveError when
+  /// the machine got out of touch in a move.
   void brake_towards(const std::array<std::int32_t, 3>& /*targets_pulses*/) override { halt(); }
   void halt() override;
   std::array<DriveStatus, 3> status() override;
@@ -58,9 +60,14 @@ class LinkedDrives final : public DriveGroup {
   void command(const std::string& purpose, const Deed& deed);
   void read();
   void take(const MachineState& state);
+  void forget(const std::string& why);
+  /// Notes whether the machine stands elsewhere than it rested.
+  void check_rest();
   /// Notes where the machine came to rest beside its target.
   void judge_rest();
   void brake_to_rest();
+  std::string hindrance() const;
+  void require_ready() const;
   DriveStatus status_of(std::size_t joint) const;
 
   std::string name_;
@@ -70,9 +77,10 @@ class LinkedDrives final : public DriveGroup {
   std::string error_;  ///< why the machine is out of touch
   MachineState state_;
   std::optional<Pulses> goal_;  ///< until it was seen at rest there
-  std::string missed_;          ///< how its last move ended elsewhere
+  std::string missed_;          ///< how it came to rest elsewhere than it should
   int in_position_;
   std::optional<Pulses> held_;  ///< the target at which it rests
+  std::optional<Pulses> rest_;  ///< where it rests until it is told to move
   std::array<Joint, 3> joints_;
   std::optional<std::size_t> homing_joint_;
 };

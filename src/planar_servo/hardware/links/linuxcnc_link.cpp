@@ -49,8 +49,10 @@ bool names(const std::string& answer, std::size_t begin, const std::string& name
 }
 
 /// The values of an INI file, as "SECTION.KEY".
-std::map<std::string, std::string> values_in(std::istream& ini) {
-  std::map<std::string, std::string> values;
+using Ini = std::map<std::string, std::string>;
+
+Ini values_in(std::istream& ini) {
+  Ini values;
   std::string section;
   for (std::string line; std::getline(ini, line);) {
     const auto trimmed = [](std::string text) {
@@ -66,15 +68,31 @@ std::map<std::string, std::string> values_in(std::istream& ini) {
   return values;
 }
 
+double number_in(const Ini& ini, const std::string& key) {
+  const auto found = ini.find(key);
+  return found == ini.end() ? 0.0 : std::atof(found->second.c_str());
+}
+
+/// Returns how a joint that is homed where it stands would move by that; empty when it would not.
+std::string motion_in_homing(const Ini& ini, const std::string& joint) {
+  if (const double latch = number_in(ini, joint + ".HOME_LATCH_VEL"); latch != 0.0)
+    return fmt::format("[{}]HOME_LATCH_VEL is {:g}, where nothing is searched: 0 is needed", joint,
+                       latch);
+  const double home = number_in(ini, joint + ".HOME");
+  const double offset = number_in(ini, joint + ".HOME_OFFSET");
+  constexpr double kStays = 2.0;
+  if (home == offset || number_in(ini, joint + ".HOME_ABSOLUTE_ENCODER") == kStays) return "";
+  return fmt::format(
+      "[{}]HOME is {:g} and HOME_OFFSET {:g}, so that the joint moves as it is switched on: they "
+      "must be the same",
+      joint, home, offset);
+}
+
 /// Returns what an INI file says that the cell does not; empty when it agrees.
-std::string contradiction(const std::map<std::string, std::string>& ini, const LinuxcncHost& host) {
+std::string contradiction(const Ini& ini, const LinuxcncHost& host) {
   const auto value = [&](const std::string& key) {
     const auto found = ini.find(key);
     return found == ini.end() ? std::string() : found->second;
-  };
-  const auto number = [&](const std::string& key, double otherwise) {
-    const std::string text = value(key);
-    return text.empty() ? otherwise : std::atof(text.c_str());
   };
   for (std::size_t i = 0; i < 3; ++i) {
     const LinuxcncJoint& joint = host.joints[i];
@@ -93,21 +111,23 @@ std::string contradiction(const std::map<std::string, std::string>& ini, const L
     const double speed = joint.rated.speed_pulses_s / joint.counts_per_deg;
     const double acceleration = joint.rated.acceleration_pulses_s2 / joint.counts_per_deg;
     constexpr double kRounding = 0.999;
-    if (const double most = number(section + ".MAX_VELOCITY", 0.0); most < kRounding * speed)
+    if (const double most = number_in(ini, section + ".MAX_VELOCITY"); most < kRounding * speed)
       return fmt::format("[{}]MAX_VELOCITY is {:g}, less than the cell's max_speed_deg_s of {:g}",
                          section, most, speed);
-    if (const double most = number(section + ".MAX_ACCELERATION", 0.0);
+    if (const double most = number_in(ini, section + ".MAX_ACCELERATION");
         most < kRounding * acceleration)
       return fmt::format(
           "[{}]MAX_ACCELERATION is {:g}, less than the cell's max_acceleration_deg_s2 of {:g}",
           section, most, acceleration);
-    const bool searches = number(section + ".HOME_SEARCH_VEL", 0.0) != 0.0;
-    if (searches != joint.has_switch)
+    const double search = number_in(ini, section + ".HOME_SEARCH_VEL");
+    if ((search != 0.0) != joint.has_switch)
       return fmt::format(
           "[{}]HOME_SEARCH_VEL is {:g}, which {} a switch, and drives[{}] says home "
           "by {}",
-          section, number(section + ".HOME_SEARCH_VEL", 0.0), searches ? "searches" : "searches no",
-          i, joint.has_switch ? "a switch" : "a mark or sight");
+          section, search, joint.has_switch ? "searches no" : "searches", i,
+          joint.has_switch ? "a switch" : "a mark or sight");
+    if (joint.has_switch) continue;
+    if (const std::string motion = motion_in_homing(ini, section); !motion.empty()) return motion;
   }
   const std::string unit = value("TRAJ.ANGULAR_UNITS");
   return unit.empty() || unit.rfind("deg", 0) == 0
@@ -119,7 +139,6 @@ std::string contradiction(const std::map<std::string, std::string>& ini, const L
 
 RshConnection::RshConnection(const LinuxcncHost& host) {
   const auto fail = [&](const std::string& why, const std::string& remedy) {
-    if (socket_ >= 0) close(socket_);
     throw WorkError({fmt::format("LinuxCNC at {}:{}: {}", host.host, host.port, why), remedy});
   };
   constexpr char kStart[] =
@@ -133,11 +152,11 @@ RshConnection::RshConnection(const LinuxcncHost& host) {
   setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);  // of connect(), too
   const bool connected = connect(socket_, found->ai_addr, found->ai_addrlen) == 0;
   freeaddrinfo(found);
-  if (!connected) fail(std::strerror(errno), kStart);
-  reader_.emplace(socket_);
-  const int yes = 1;
-  setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   try {
+    if (!connected) fail(std::strerror(errno), kStart);
+    reader_.emplace(socket_);
+    const int yes = 1;
+    setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     const std::string hello = ask(fmt::format("hello {} planar-servo 1.0", host.password));
     if (hello.rfind("HELLO ACK", 0) != 0)
       fail(fmt::format("it answers '{}'", hello),
@@ -242,6 +261,7 @@ DeadMansHandle::DeadMansHandle(const RshConnection& stopper, const std::string& 
     line_ = ends[0];
     return;
   }
+  setpgid(0, 0);  // a terminal's Ctrl-Z suspends a program's whole group
   for (const int ends_us : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(ends_us, SIG_IGN);
   // What this program has open is not kept open by its child.
   if (dup2(ends[1], STDIN_FILENO) < 0 || dup2(stopper.descriptor(), STDOUT_FILENO) < 0) _exit(1);
@@ -276,7 +296,6 @@ LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
     throw WorkError({fmt::format("{}: {}", path, wrong), "correct it or the cell file"});
   }
   here_ = counts();
-  rest_ = here_;
 }
 
 void LinuxcncLink::set(const std::string& what) {
@@ -313,7 +332,7 @@ void LinuxcncLink::hear_mover(double patience_s) {
   const auto answer = mover_.hear(patience_s);
   if (!answer) return;
   awaits_mover_ = false;
-  if (!rest_) changed_ = Clock::now();  // it may be about to begin
+  if (!rests_) changed_ = Clock::now();  // it may be about to begin
   if (ends(*answer, kAckOf)) return;
   note_who_controls(fmt::format(
       "LinuxCNC refuses a move ({}): another client may have taken the control", *answer));
@@ -350,29 +369,38 @@ void LinuxcncLink::switch_on() {
   }
   was_switched_on_ = true;
   for (const LinuxcncJoint& joint : host_.joints)
-    if (!joint.has_switch &&
-        reader_.get(fmt::format("joint_homed {}", joint.number)).find("NO") != std::string::npos)
-      home(joint);
-  rest_ = counts();
+    if (!joint.has_switch && !is_homed(joint.number)) home_in_place(joint.number);
+  rests_ = true;
 }
 
-void LinuxcncLink::home(const LinuxcncJoint& joint) {
+bool LinuxcncLink::is_homed(int joint) {
+  return reader_.get(fmt::format("joint_homed {}", joint)).find("YES") != std::string::npos;
+}
+
+void LinuxcncLink::home(int joint) {
   set("mode manual");
   set("teleop_enable off");
-  set(fmt::format("home {}", joint.number));
+  set(fmt::format("home {}", joint));
+}
+
+/// Its counts are others from then on.
+void LinuxcncLink::home_in_place(int joint) {
+  ++losses_;
+  home(joint);
   constexpr int kTries = 100;
-  for (int i = 0; i < kTries && !joint.has_switch; ++i) {
-    if (reader_.get(fmt::format("joint_homed {}", joint.number)).find("YES") != std::string::npos)
-      return;
+  for (int i = 0; i < kTries; ++i) {
+    if (is_homed(joint)) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
+  throw WorkError({fmt::format("LinuxCNC does not home joint {} where it stands", joint),
+                   "look at LinuxCNC's own messages"});
 }
 
 void LinuxcncLink::search_home(int joint, HomeDirection /*direction*/) {
   take_control();
-  home(host_.joints.at(static_cast<std::size_t>(joint)));
   homing_joint_ = host_.joints.at(static_cast<std::size_t>(joint)).number;
-  rest_.reset();
+  home(*homing_joint_);
+  rests_ = false;
 }
 
 void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) {
@@ -380,7 +408,9 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   if (reader_.get("mode") != "MDI") set("mode mdi");
   here_ = this->counts();
   const MoveTime time = time_of(counts - here_, limits);
-  std::string line = "set mdi G53 G61 G90 G1";  // blending would halve the acceleration
+  // All modes that count, since other clients set them. Without G61 blending would halve the
+  // acceleration.
+  std::string line = "set mdi G53 G61 G90 G94 G1";
   double length_deg = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const LinuxcncJoint& joint = host_.joints[i];
@@ -399,7 +429,7 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   target_ = counts;
   told_to_stop_.reset();
   stopping_since_.reset();
-  rest_.reset();
+  rests_ = false;
 }
 
 void LinuxcncLink::stop() {
@@ -481,8 +511,7 @@ MachineState LinuxcncLink::read() {
   const auto still = is_there ? kStill : target_ ? kStillElsewhere : kStillStopped;
   state.moving = state.on && (!is_idle || now - changed_ < still || may_begin);
   if (homing_joint_) {
-    const std::string homed = reader_.get(fmt::format("joint_homed {}", *homing_joint_));
-    state.homing = state.on && homed.find("YES") == std::string::npos;
+    state.homing = state.on && !is_homed(*homing_joint_);
     state.moving = state.moving || state.homing;
     if (!state.moving) homing_joint_.reset();
   }
@@ -492,16 +521,8 @@ MachineState LinuxcncLink::read() {
   if (state.moving) return state;
   told_to_stop_.reset();
   stopping_since_.reset();
-  if (!rest_) check_control();
-  if (!rest_) rest_ = here_;
-  const bool was_moved = (*rest_ - here_).cwiseAbs().maxCoeff() > kInPosition_counts && state.on;
-  if (was_moved && !was_moved_) ++losses_;
-  was_moved_ = was_moved;
-  if (was_moved)
-    state.faults.push_back(
-        fmt::format("joints stand at {} counts, where they rested at {}: another "
-                    "client has moved them",
-                    fmt::join(here_, ", "), fmt::join(*rest_, ", ")));
+  if (!rests_) check_control();
+  rests_ = true;
   return state;
 }
 

@@ -87,8 +87,8 @@ class LinuxcncLink final : public MachineLink {
   /// Throws WorkError when it cannot be used.
   explicit LinuxcncLink(const LinuxcncHost& host);
 
-  /// Leaves the emergency stop that LinuxCNC itself has set, switches the machine on, and counts
-  /// joints without a switch from where they stand.
+  /// Leaves the emergency stop that LinuxCNC itself has set, switches the machine on, and homes
+  /// joints without a switch where they stand, unless they are; their counts are lost by that.
   void switch_on() override;
   void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) override;
   void stop() override;
@@ -103,7 +103,9 @@ class LinuxcncLink final : public MachineLink {
 
   void set(const std::string& what);
   void take_control();
-  void home(const LinuxcncJoint& joint);
+  bool is_homed(int joint);
+  void home(int joint);
+  void home_in_place(int joint);
   void hear_mover(double patience_s);
   void check_control();
   void note_who_controls(const std::string& stranger);
@@ -120,14 +122,13 @@ class LinuxcncLink final : public MachineLink {
   bool controls_{false};  ///< linuxcncrsh obeys mover_, as far as we know
   std::string refused_;   ///< by LinuxCNC, of the last move
   Pulses here_{0, 0, 0};
-  std::optional<Pulses> rest_;  ///< where the joints rest until they are told to move
+  bool rests_{true};  ///< the joints rest until they are told to move
   Clock::time_point changed_;
   std::optional<Clock::time_point> told_to_stop_;    ///< until it rests
   std::optional<Clock::time_point> stopping_since_;  ///< the first time of that
   int losses_{0};
   bool was_switched_on_{false};  ///< by this program
   bool was_on_{false};
-  bool was_moved_{false};  ///< by another client, since the last rest
   std::optional<int> homing_joint_;
 };
 

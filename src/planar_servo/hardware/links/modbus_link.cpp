@@ -17,7 +17,8 @@ namespace planar {
 namespace {
 
 constexpr int kTries = 3;
-/// A driver that was started says that it moves by then.
+/// A driver that was started says that it moves by then; one that searches does not rest for longer
+/// between two ways.
 constexpr std::chrono::milliseconds kBeginning{100};
 constexpr long kWord = 0x10000;
 
@@ -66,13 +67,19 @@ ModbusLink::ModbusLink(const ModbusLine& line) : line_(line) {
     throw WorkError({fmt::format("{} cannot be opened: {}", line.port, modbus_strerror(errno)),
                      "look at the port's name, the permission to use it and the cable"});
   ioctl(modbus_get_socket(context_.get()), TIOCEXCL);  // nobody else opens it from now on
-  modbus_set_response_timeout(context_.get(), 0, static_cast<std::uint32_t>(line.answer_s * 1e6));
+  constexpr std::uint32_t kSecond_us = 1000000;
+  const auto answer_us = static_cast<std::uint32_t>(std::lround(line.answer_s * kSecond_us));
+  const bool is_set = modbus_set_response_timeout(context_.get(), answer_us / kSecond_us,
+                                                  answer_us % kSecond_us) == 0;
+  // Without a time for each byte, that of the answer is for the whole one.
+  if (!is_set || modbus_set_byte_timeout(context_.get(), 0, 0) != 0)
+    throw WorkError(fmt::format("no answer on Modbus can take {:g} s", line.answer_s));
   read();
   check_word_order(here_);
 }
 
 ModbusLink::~ModbusLink() {
-  if (target_ || homing_) stop_all_that_hear();
+  if (may_move_) stop_all_that_hear();
   if (errors_.garbled + errors_.unanswered > 0)
     spdlog::warn(fmt::format("{}: of {} telegrams {} were garbled and {} not answered", line_.port,
                              errors_.telegrams, errors_.garbled, errors_.unanswered));
@@ -88,7 +95,10 @@ void ModbusLink::exchange(std::size_t motor, const std::string& what, const Exch
   for (int i = 0; i < kTries; ++i) {
     ++errors_.telegrams;
     modbus_set_slave(context_.get(), line_.addresses[motor]);
-    if (act() >= 0) return;
+    if (act() >= 0) {
+      if (i > 0) drop_late_answers();
+      return;
+    }
     error = errno;
     errors_.garbled += is_garbled(error) ? 1 : 0;
     errors_.unanswered += error == ETIMEDOUT ? 1 : 0;
@@ -100,6 +110,12 @@ void ModbusLink::exchange(std::size_t motor, const std::string& what, const Exch
                                                     line_.answer_s * 1e3, kTries)
                                       : std::string(modbus_strerror(error))),
        remedy_for(error)});
+}
+
+/// What was repeated may be answered twice.
+void ModbusLink::drop_late_answers() {
+  std::this_thread::sleep_for(std::chrono::duration<double>(line_.answer_s));
+  modbus_flush(context_.get());
 }
 
 long ModbusLink::read_value(std::size_t motor, const RegisterRead& from, const char* what) {
@@ -185,6 +201,7 @@ void ModbusLink::stop_all_that_hear() {
 }
 
 void ModbusLink::switch_on() {
+  unfound_.clear();
   for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.switch_on, {}, "switch on");
 }
 
@@ -200,6 +217,7 @@ ModbusLink::Move ModbusLink::move_of(std::size_t motor, long way, long target,
 }
 
 void ModbusLink::start(const std::array<Move, 3>& moves) {
+  may_move_ = true;
   const auto begun = Clock::now();
   for (std::size_t i = 0; i < 3; ++i) {
     if (i == 2 && !line_.map.start)
@@ -224,7 +242,16 @@ void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& l
 
 void ModbusLink::stop() {
   target_.reset();
-  for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.stop, {}, "stop");
+  search_.reset();
+  std::optional<WorkError> failure;
+  for (std::size_t i = 0; i < 3; ++i) {
+    try {
+      write(i, line_.map.stop, {}, "stop");
+    } catch (const WorkError& error) {
+      if (!failure) failure = error;
+    }
+  }
+  if (failure) throw WorkError(*failure);
 }
 
 void ModbusLink::search_home(int joint, HomeDirection direction) {
@@ -233,9 +260,27 @@ void ModbusLink::search_home(int joint, HomeDirection direction) {
   if (writes.empty())
     throw WorkError({fmt::format("the map of {} has no search for the home switch", line_.map.name),
                      "add home_reverse or home_forward to it, or name home: {reference: taught}"});
+  may_move_ = true;
+  unfound_.clear();
   write(static_cast<std::size_t>(joint), writes, {}, "search its home switch");
-  homing_ = true;
+  search_ = Search{static_cast<std::size_t>(joint)};
   started_ = Clock::now();
+}
+
+void ModbusLink::watch_search(long status) {
+  const bool moves = line_.map.moving.in(status);
+  if (moves || search_->moves) started_ = Clock::now();
+  search_->moves = moves;
+  search_->has_moved = search_->has_moved || moves;
+  search_->is_found = line_.map.homed ? line_.map.homed->in(status) : search_->has_moved;
+}
+
+void ModbusLink::end_search() {
+  if (!search_->is_found)
+    unfound_ = fmt::format("{} has not found its home switch: it {}; `enable` clears this",
+                           name(search_->driver),
+                           search_->has_moved ? "gave up" : "did not begin to move");
+  search_.reset();
 }
 
 MachineState ModbusLink::read() {
@@ -246,6 +291,7 @@ MachineState ModbusLink::read() {
     const long status = read_value(i, map.status, "status");
     state.counts[static_cast<int>(i)] = static_cast<int>(read_value(i, map.position, "position"));
     state.moving = state.moving || map.moving.in(status);
+    if (search_ && search_->driver == i) watch_search(status);
     state.on = state.on && (!map.on || map.on->in(status));
     if (!map.fault || !map.fault->in(status)) continue;
     state.faults.push_back(map.alarm ? fmt::format("{} reports alarm 0x{:x}", name(i),
@@ -254,9 +300,11 @@ MachineState ModbusLink::read() {
   }
   const bool begins = Clock::now() - started_ < kBeginning;
   if (target_ && state.counts != *target_ && begins && state.faults.empty()) state.moving = true;
-  if (homing_ && begins) state.moving = true;
-  homing_ = homing_ && state.moving;
-  state.homing = homing_;
+  if (search_ && begins && state.faults.empty()) state.moving = true;
+  if (search_ && !state.moving) end_search();
+  if (!unfound_.empty()) state.faults.push_back(unfound_);
+  state.homing = search_.has_value();
+  may_move_ = may_move_ && (state.moving || begins);
   here_ = state.counts;
   return state;
 }

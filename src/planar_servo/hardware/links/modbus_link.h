@@ -3,6 +3,7 @@
 #include <modbus/modbus.h>
 
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,7 +34,8 @@ struct LineErrors {
 };
 
 /// Stepper drivers that speak Modbus RTU, by their registers. Each of them moves by itself; where
-/// the map has a `start`, all begin by one broadcast. A telegram that fails is repeated twice.
+/// the map has a `start`, all begin by one broadcast. A telegram that fails is repeated twice, and
+/// what comes late is not taken for the answer to the next one.
 class ModbusLink final : public MachineLink {
  public:
   /// Opens the line and asks every driver where it stands. Throws WorkError with the remedy when
@@ -48,8 +50,10 @@ class ModbusLink final : public MachineLink {
   /// Throws WorkError, with the motors at rest, when the first move of a driver that stood at 0 and
   /// so could not show the order of its words goes elsewhere.
   void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) override;
+  /// Tells every driver, whatever another one answers.
   void stop() override;
   void search_home(int joint, HomeDirection direction) override;
+  /// A search that ends without having found the switch is a fault until switch_on().
   MachineState read() override;
 
   const LineErrors& errors() const { return errors_; }
@@ -61,10 +65,16 @@ class ModbusLink final : public MachineLink {
   struct Move {
     long position, speed, acceleration;
   };
+  /// Of a driver for its home switch, as its status said last.
+  struct Search {
+    std::size_t driver;
+    bool moves{false}, has_moved{false}, is_found{false};
+  };
 
   /// Does something on the line with a driver, again where it fails. Throws WorkError with `what`.
   template <typename Exchange>
   void exchange(std::size_t motor, const std::string& what, const Exchange& act);
+  void drop_late_answers();
   long read_value(std::size_t motor, const RegisterRead& from, const char* what);
   void write(std::size_t motor, const std::vector<RegisterWrite>& writes, const Move& move,
              const char* what);
@@ -73,6 +83,8 @@ class ModbusLink final : public MachineLink {
   void stop_all_that_hear();
   Move move_of(std::size_t motor, long way, long target, const MoveTime& time) const;
   void start(const std::array<Move, 3>& moves);
+  void watch_search(long status);
+  void end_search();
   void check_word_order(const Pulses& counts);
   void prove_word_order(const Pulses& toward);
   std::string name(std::size_t motor) const;
@@ -86,11 +98,13 @@ class ModbusLink final : public MachineLink {
   std::unique_ptr<modbus_t, Free> context_;
   LineErrors errors_;
   double skew_s_{0.0};
-  bool proven_{false};  ///< positions have shown the order of words
-  bool homing_{false};
+  bool proven_{false};    ///< positions have shown the order of words
+  bool may_move_{false};  ///< from the first telegram that moves a driver until a rest was seen
+  std::optional<Search> search_;
+  std::string unfound_;  ///< how the last search failed
   Pulses here_{0, 0, 0};
   std::optional<Pulses> target_;  ///< of a move that may not have begun yet
-  Clock::time_point started_;
+  Clock::time_point started_;     ///< the last move, or the last motion of a search
 };
 
 }  // namespace planar

@@ -160,6 +160,7 @@ void check_whole(YamlReader& file, const ModbusMap& map) {
   check_bit(map.moving, "moving");
   if (map.on) check_bit(*map.on, "on");
   if (map.fault) check_bit(*map.fault, "fault");
+  if (map.homed) check_bit(*map.homed, "homed");
 }
 
 }  // namespace
@@ -209,6 +210,7 @@ ModbusMap read_modbus_map(const std::filesystem::path& path) {
   read_text(file, "moving", map.moving, bit_of, kBitRule);
   if (file.given("on")) read_text(file, "on", map.on, bit_of, kBitRule);
   if (file.given("fault")) read_text(file, "fault", map.fault, bit_of, kBitRule);
+  if (file.given("homed")) read_text(file, "homed", map.homed, bit_of, kBitRule);
   read_writes(file, "switch_on", map.switch_on, false);
   read_writes(file, "move", map.move, true);
   read_writes(file, "stop", map.stop, true);

@@ -54,6 +54,7 @@ struct ModbusMap {
   std::optional<RegisterRead> alarm;
   StatusBit moving;
   std::optional<StatusBit> on, fault;
+  std::optional<StatusBit> homed;  ///< a search has found the home switch
   std::vector<RegisterWrite> switch_on, move, stop, home_reverse, home_forward;
   std::optional<RegisterWrite> start;  ///< of all drivers at once, after `move`
   ModbusRate<ModbusSpeed> speed;

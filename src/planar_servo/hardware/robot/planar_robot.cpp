@@ -60,6 +60,11 @@ std::string in_words(const std::vector<std::string>& faults) {
   throw DriveError({fmt::format("drive {} has lost its position", joint + 1), "home it first"});
 }
 
+void require_certain(const std::array<DriveStatus, 3>& status) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!status[i].position_certain) throw_unhomed(i);
+}
+
 [[noreturn]] void throw_stopped() {
   throw StopRequested("the arm was stopped as asked");
 }
@@ -256,6 +261,7 @@ void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must
     bool rests = false;
     wait_for(timeout_s, [&](const auto& now) {
       if ((rests = must_rest())) return true;
+      require_certain(now);
       for (int i = 0; i < 3; ++i) {
         const DriveStatus& drive = now[static_cast<std::size_t>(i)];
         if (drive.moving || drive.position_pulses != target[i]) return false;
@@ -304,6 +310,9 @@ PlanarRobot::Status PlanarRobot::look_while_turning() {
 }
 
 void PlanarRobot::turn(const VelocityLaw& velocity) {
+  if (const auto refusal = drives_.stream_refusal())
+    throw WorkError(
+        {"the drives cannot be turned at velocities: " + *refusal, "move to positions instead"});
   if (stopped()) end_turning();
   throw_if_stopped();
   const Status status = look_while_turning();
@@ -375,8 +384,7 @@ PlanarRobot::Status PlanarRobot::require_well() {
 
 PlanarRobot::Status PlanarRobot::require_ready() {
   Status status = require_well();
-  for (std::size_t i = 0; i < 3; ++i)
-    if (!status[i].position_certain) throw_unhomed(i);
+  require_certain(status);
   note_speeds(status);
   return status;
 }

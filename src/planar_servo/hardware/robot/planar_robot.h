@@ -119,8 +119,8 @@ class PlanarRobot {
   ///
   /// Nothing moves and it throws std::invalid_argument for angles that are not finite, WorkError
   /// when a motor's limits forbid the move, and DriveError when a drive is off, faulty or unsure of
-  /// its position. When a drive fails on the way or does not arrive in time, all halt and
-  /// DriveError names it.
+  /// its position. When a drive fails or loses its position on the way, or does not arrive in time,
+  /// all halt and DriveError names it.
   std::optional<std::string> move_to(const Joints& theta, const Guard& guard = {});
 
   /// Stops every drive at once. A drive that was moving may have lost its position. Throws
@@ -142,10 +142,11 @@ class PlanarRobot {
   /// whole. Until end_turning() the arm is under velocity control and moves to no position.
   ///
   /// A refused velocity counts as silence: the arm slows down to rest. Throws what `velocity`
-  /// throws, std::invalid_argument for velocities that are not finite, WorkError where a motor
-  /// would leave its limits if the velocity were kept, StopRequested, at rest, and DriveError,
-  /// after all were halted, when a drive fails. A drive with a command timeout shorter than
-  /// kVelocityHold_s and the way to brake stops by that timeout.
+  /// throws, std::invalid_argument for velocities that are not finite, WorkError for drives with a
+  /// stream_refusal() and where a motor would leave its limits if the velocity were kept,
+  /// StopRequested, at rest, and DriveError, after all were halted, when a drive fails. A drive
+  /// with a command timeout shorter than kVelocityHold_s and the way to brake stops by that
+  /// timeout.
   void turn(const VelocityLaw& velocity);
 
   /// Slows down to rest, so that no position is lost, and gives the drives their own speeds again.

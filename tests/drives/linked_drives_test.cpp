@@ -1,0 +1,140 @@
+#include "planar_servo/hardware/links/linked_drives.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "planar_servo/base/core/clock.h"
+#include "support/link_bench.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+using test::make_ready;
+
+constexpr DriveLimits kMotor{1000.0, 1000.0};  // it brakes for a second
+constexpr int kBeside = 2;
+
+/// What a machine says and does, as the test wants it.
+struct Script {
+  MachineState state;
+  double braking_s{0.0};
+  std::function<void(MachineState&)> when_stopped{[](MachineState& told) { told.moving = false; }};
+  bool is_gone{false};
+  int moves_told{0};
+};
+
+class ScriptedMachine final : public MachineLink {
+ public:
+  explicit ScriptedMachine(Script& script) : script_(script) {}
+  void switch_on() override { script_.state.on = true; }
+  void go_to(const Pulses&, const std::array<DriveLimits, 3>&) override {
+    ++script_.moves_told;
+    script_.state.moving = true;
+  }
+  void stop() override { rests_s_ = clock_.now_s() + script_.braking_s; }
+  void search_home(int, HomeDirection) override {}
+  MachineState read() override {
+    if (script_.is_gone) throw WorkError("the cable is cut");
+    if (clock_.now_s() >= rests_s_) {
+      rests_s_ = HUGE_VAL;
+      script_.when_stopped(script_.state);
+    }
+    return script_.state;
+  }
+
+ private:
+  Script& script_;
+  SteadyClock clock_;
+  double rests_s_{HUGE_VAL};
+};
+
+LinkedDrives drives_by(Script& script) {
+  return {"the machine",
+          {kMotor, kMotor, kMotor},
+          [&script] { return std::make_unique<ScriptedMachine>(script); },
+          kBeside};
+}
+
+TEST_CASE("A halt fails where the machine got out of touch in a move, and not at rest") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  drives.set_targets({1000, 0, 0});
+  script.is_gone = true;
+  CHECK_FALSE(drives.status()[0].answers);
+  CHECK_THROWS_WITH(drives.halt(), "the machine cannot be told to halt: the cable is cut");
+  script.is_gone = script.state.moving = false;
+  drives.reconnect();
+  make_ready(drives);
+  script.is_gone = true;
+  CHECK_FALSE(drives.status()[0].answers);
+  CHECK_NOTHROW(drives.halt());
+}
+
+TEST_CASE("Counts that change at rest without an order make all positions uncertain") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  drives.set_targets({700, 0, 0});
+  script.state.counts = Pulses(700 + kBeside, 0, 0);
+  script.state.moving = false;
+  CHECK(drives.status()[1].position_certain);
+  script.state.counts = Pulses(700, -kBeside, kBeside);  // a motor that is held gives way
+  CHECK(drives.status()[1].position_certain);
+  SECTION("of a machine that is on, which is a fault until it is switched on again") {
+    script.state.counts = Pulses(0, 0, 0);
+    const DriveStatus status = drives.status()[1];
+    CHECK_FALSE(status.position_certain);
+    REQUIRE(status.faults.size() == 1);
+    CHECK_THAT(status.faults[0],
+               Contains("stands at 0, 0, 0 counts, where it rested at 702, 0, 0"));
+    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("restarted, or moved by somebody"));
+    drives.energize();
+    CHECK(drives.status()[1].faults.empty());
+    CHECK_FALSE(drives.status()[1].position_certain);
+    make_ready(drives);
+    CHECK(drives.status()[1].position_certain);
+  }
+  SECTION("of a machine that is off, and nobody has looked before it is switched on") {
+    script.state.on = false;
+    script.state.counts = Pulses(0, 0, 0);
+    drives.energize();
+    CHECK(drives.status()[1].faults.empty());
+    CHECK_FALSE(drives.status()[1].position_certain);
+    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}),
+                      Contains("the position of drive 1 is not certain"));
+  }
+}
+
+TEST_CASE("A machine that loses its position or fails as it brakes is not sent on") {
+  const bool loses = GENERATE(true, false);
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  drives.set_targets({1000, 0, 0});
+  script.when_stopped = [loses](MachineState& told) {
+    told.moving = false;
+    if (loses) ++told.losses;
+    if (!loses) told.faults.emplace_back("motor 2 is hot");
+  };
+  CHECK_THROWS_WITH(drives.set_targets({500, 0, 0}),
+                    Contains(loses ? "position of drive 1 is not certain" : "motor 2 is hot"));
+  CHECK(script.moves_told == 1);
+}
+
+TEST_CASE("A machine may brake for as long as its limits let it, and a while longer") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  drives.set_targets({1000, 0, 0});
+  script.braking_s = 2.3;
+  CHECK_NOTHROW(drives.halt());
+  CHECK(drives.status()[0].position_certain);
+}
+
+}  // namespace
+}  // namespace planar

@@ -1,0 +1,241 @@
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cctype>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "planar_servo/hardware/links/linuxcnc_link.h"
+#include "support/link_bench.h"
+
+namespace planar {
+namespace {
+
+using Catch::Contains;
+
+/// Answers as linuxcncrsh does, for a machine that rests.
+class EmulatedRsh {
+ public:
+  EmulatedRsh() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    REQUIRE(bind(listener_, reinterpret_cast<sockaddr*>(&address), size) == 0);
+    REQUIRE(listen(listener_, 8) == 0);
+    getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+    host.port = ntohs(address.sin_port);
+    for (std::size_t i = 0; i < 3; ++i)
+      host.joints[i] = {
+          static_cast<char>('A' + i), static_cast<int>(i), false, 1000.0, {30000.0, 300000.0}};
+  }
+  ~EmulatedRsh() {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+    close(listener_);
+  }
+  EmulatedRsh(const EmulatedRsh&) = delete;
+  EmulatedRsh& operator=(const EmulatedRsh&) = delete;
+
+  void begin() {
+    thread_ = std::thread([this] { serve(); });
+  }
+  /// Says this from now on.
+  void say(const std::string& what, const std::string& value) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    says_[what] = value;
+  }
+  /// Returns the first line so far that begins with this, or nothing.
+  std::string told(const std::string& begin) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const std::string& line : told_)
+      if (line.rfind(begin, 0) == 0) return line;
+    return "";
+  }
+  LinkedDrives drives() const {
+    const DriveLimits rated = host.joints[0].rated;
+    return {"LinuxCNC",
+            {rated, rated, rated},
+            [this] { return std::make_unique<LinuxcncLink>(host); },
+            kInPosition_counts};
+  }
+
+  LinuxcncHost host;
+  bool homes{true};  ///< joints where they stand, which are at 5 degrees then
+
+ private:
+  void serve() {
+    std::vector<pollfd> open{{listener_, POLLIN, 0}};
+    std::map<int, std::string> heard;
+    while (!ends_) {
+      constexpr int kPoll_ms = 2;
+      poll(open.data(), open.size(), kPoll_ms);
+      for (std::size_t i = 1; i < open.size(); ++i) {
+        if (open[i].revents == 0) continue;
+        char bytes[1024];
+        const ssize_t count = ::read(open[i].fd, bytes, sizeof bytes);
+        if (count > 0) {
+          heard[open[i].fd].append(bytes, static_cast<std::size_t>(count));
+          answer(open[i].fd, heard[open[i].fd]);
+        } else {
+          close(open[i].fd);
+          heard.erase(open[i].fd);
+          open[i].fd = -1;  // poll() passes over it
+        }
+      }
+      if (open[0].revents != 0) open.push_back({accept(listener_, nullptr, nullptr), POLLIN, 0});
+    }
+    for (std::size_t i = 1; i < open.size(); ++i)
+      if (open[i].fd >= 0) close(open[i].fd);
+  }
+
+  void answer(int line, std::string& heard) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (std::size_t end = heard.find("\r\n"); end != heard.npos; end = heard.find("\r\n")) {
+      const std::string words = answer_to(heard.substr(0, end));
+      heard.erase(0, end + 2);
+      (void)!send(line, words.data(), words.size(), MSG_NOSIGNAL);
+    }
+  }
+
+  std::string answer_to(const std::string& line) {
+    told_.push_back(line);
+    const std::string what = line.substr(line.find(' ') + 1);
+    std::string name = what.substr(0, what.find(' '));
+    if (line.rfind("hello", 0) == 0) return "HELLO ACK EMCNETSVR 1.1\r\n";
+    if (line == "set echo off") return "";
+    if (line.rfind("get", 0) == 0) return name + " " + says_[what] + "\r\n";
+    if (name == "home" && homes) {
+      says_["joint_homed " + what.substr(what.size() - 1)] = "0 YES";
+      says_["joint_pos"] = "5 5 5";
+    }
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+    return "SET " + name + " ACK\r\n";
+  }
+
+  int listener_{socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  std::mutex mutex_;
+  std::map<std::string, std::string> says_{{"inifile", "elsewhere.ini"},
+                                           {"joint_pos", "0 0 0"},
+                                           {"estop", "OFF"},
+                                           {"machine", "ON"},
+                                           {"mode", "MDI"},
+                                           {"enable", "ON"},
+                                           {"joint_limit", "OK OK OK"},
+                                           {"joint_fault", "OK OK OK"},
+                                           {"program_status", "IDLE"},
+                                           {"joint_homed 0", "0 YES"},
+                                           {"joint_homed 1", "1 YES"},
+                                           {"joint_homed 2", "2 YES"}};
+  std::vector<std::string> told_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+bool rests(LinkedDrives& drives) {
+  return test::all_rest(drives) && drives.status()[0].answers;
+}
+
+TEST_CASE("Joints that LinuxCNC homes where they stand have lost their positions by that") {
+  EmulatedRsh rsh;
+  SECTION("which is seen when they are switched on again") {
+    rsh.begin();
+    LinkedDrives drives = rsh.drives();
+    test::make_ready(drives);
+    drives.energize();
+    CHECK(drives.status()[0].position_certain);
+    rsh.say("joint_homed 1", "1 NO");
+    drives.energize();
+    REQUIRE(rests(drives));
+    CHECK(rsh.told("set home") == "set home 1");
+    for (const DriveStatus& drive : drives.status()) {
+      CHECK_FALSE(drive.position_certain);
+      CHECK(drive.faults.empty());
+    }
+  }
+  SECTION("and those that it does not home are not switched on") {
+    rsh.homes = false;
+    rsh.begin();
+    rsh.say("joint_homed 1", "1 NO");
+    LinkedDrives drives = rsh.drives();
+    CHECK_THROWS_WITH(drives.energize(), Contains("LinuxCNC does not home joint 1"));
+  }
+}
+
+TEST_CASE("A move of LinuxCNC says every mode that another client may have set") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  LinkedDrives drives = rsh.drives();
+  test::make_ready(drives);
+  drives.set_targets({2000, 0, -1000});
+  REQUIRE(test::eventually([&] { return !rsh.told("set mdi").empty(); }));
+  CHECK_THAT(rsh.told("set mdi"), Catch::StartsWith("set mdi G53 G61 G90 G94 G1 A2.000000 "
+                                                    "B0.000000 C-1.000000 F"));
+}
+
+TEST_CASE("A joint that would move as LinuxCNC homes it where it stands is refused") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  const test::TemporaryFolder folder;
+  const auto refusal_with = [&](const std::string& keys) {
+    std::string ini;
+    for (const char* joint : {"0", "1", "2"})
+      ini += std::string("[JOINT_") + joint +
+             "]\nTYPE = ANGULAR\nMAX_VELOCITY = 30\nMAX_ACCELERATION = 300\n";
+    rsh.say("inifile", folder.write("machine.ini", ini + keys).string());
+    try {
+      LinuxcncLink link(rsh.host);
+    } catch (const WorkError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(refusal_with("").empty());
+  CHECK_THAT(refusal_with("HOME = 5\n"), Contains("[JOINT_2]HOME is 5 and HOME_OFFSET 0"));
+  CHECK(refusal_with("HOME = 5\nHOME_OFFSET = 5\n").empty());
+  CHECK(refusal_with("HOME = 5\nHOME_ABSOLUTE_ENCODER = 2\n").empty());
+  CHECK_THAT(refusal_with("HOME_LATCH_VEL = 1\n"), Contains("[JOINT_2]HOME_LATCH_VEL is 1"));
+}
+
+/// A program that moves until it is suspended.
+[[noreturn]] void move_on(const LinuxcncHost& host) {
+  setpgid(0, 0);
+  try {
+    RshConnection line(host), stopper(host);
+    DeadMansHandle handle(stopper, "set abort\r\n");
+    handle.hold(true);
+    line.ask("set moving on");
+    for (;; std::this_thread::sleep_for(std::chrono::milliseconds(5))) handle.hold(true);
+  } catch (const WorkError&) {
+    _exit(1);
+  }
+}
+
+TEST_CASE("A program that Ctrl-Z suspends in a move has LinuxCNC brake") {
+  EmulatedRsh rsh;
+  const pid_t program = fork();  // before there is a thread
+  REQUIRE(program >= 0);
+  if (program == 0) move_on(rsh.host);
+  rsh.begin();
+  CHECK(test::eventually([&] { return !rsh.told("set moving").empty(); }));
+  kill(-program, SIGSTOP);  // the whole group, as a terminal does
+  CHECK(test::eventually([&] { return !rsh.told("set abort").empty(); }));
+  kill(program, SIGKILL);
+  waitpid(program, nullptr, 0);
+}
+
+}  // namespace
+}  // namespace planar
