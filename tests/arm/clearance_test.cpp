@@ -216,6 +216,37 @@ TEST_CASE("A way round is found where the straight way is barred, and touches no
   CHECK(none > 0);
 }
 
+TEST_CASE("The way is checked as the drives go it: each for itself, or all in one straight line") {
+  TransmissionSettings settings = drives();
+  for (MotorDrive& drive : settings.drives) {
+    drive.max_speed_rad_s = 15.0 * kDegree;
+    drive.max_acceleration_rad_s2 = 150.0 * kDegree;
+  }
+  Workspace workspace{0.0, 0.7, {}, {}};
+  workspace.keep_out.push_back({{0.0, 0.3857}, 0.035});
+  const auto refused = [&](bool straight) {
+    settings.moves_straight = straight;
+    const JointPlanner planner(PlanarArm(wide_arm()), Transmission(settings), workspace,
+                               Elbow::kLeft);
+    const auto at = [&](double m1, double m2) {
+      return planner.transmission().joints_from_motors({m1 * kDegree, m2 * kDegree, 0.0});
+    };
+    return planner.way_refusal(at(0.0, 90.0), at(80.0, 110.0)).has_value();
+  };
+  CHECK_FALSE(refused(false));
+  CHECK(refused(true));
+}
+
+TEST_CASE("An arm that stands at one obstacle may not touch another, and no turn beyond a limit") {
+  const JointPlanner planner = planner_among({disc({0.3, -0.02}, 0.01), disc({0.0, 0.55}, 0.02)});
+  const auto straight_at = [](double angle) { return Joints(angle, angle, angle); };
+  REQUIRE(planner.refusal(straight_at(0.0)));
+  CHECK_FALSE(planner.way_refusal(straight_at(0.0), straight_at(0.5)));
+  CHECK(planner.way_refusal(straight_at(0.0), straight_at(1.5)));
+  CHECK(planner.way_round(straight_at(2.0), straight_at(3.0)).size() == 1);
+  CHECK(planner.way_round(straight_at(2.0), straight_at(3.2)).empty());
+}
+
 TEST_CASE("An arm in a closed pen finds no way out, and is told which part would touch what") {
   std::vector<Barrier> pen;
   for (int i = 0; i < 24; ++i) pen.push_back(disc(0.5 * rotation2d(i * kPi / 12.0).col(0), 0.06));

@@ -330,6 +330,7 @@ CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kin
   read_fields(reader, cell, kinds);
   reader.throw_if_faulty();
   for (std::size_t i = 0; i < cell.drives.size(); ++i) cell.drives[i].kind->complete(cell, i);
+  cell.transmission.moves_straight = cell.drives[0].kind->moves_straight();
   return cell;
 }
 

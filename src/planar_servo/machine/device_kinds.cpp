@@ -122,6 +122,7 @@ class VirtualDriveKind final : public DriveKind {
  public:
   std::string name() const override { return "virtual"; }
   bool is_virtual() const override { return true; }
+  bool moves_straight() const override { return false; }
   /// A virtual drive knows its position unless it is to be found by sight.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override {
     if (drive.given("home", false)) list_home(drive, cell.transmission.drives[joint]);

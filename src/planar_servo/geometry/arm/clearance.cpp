@@ -88,7 +88,8 @@ bool is_simple_polygon(const std::vector<Eigen::Vector2d>& corners) {
 }
 
 ArmGap smallest_gap(const ArmBody& body, const std::vector<Barrier>& barriers,
-                    const Eigen::Vector2d& elbow_B, const Eigen::Vector2d& end_B) {
+                    const Eigen::Vector2d& elbow_B, const Eigen::Vector2d& end_B,
+                    const std::vector<double>& spared_m) {
   struct Part {
     const char* name;
     Eigen::Vector2d from, to;
@@ -105,7 +106,8 @@ ArmGap smallest_gap(const ArmBody& body, const std::vector<Barrier>& barriers,
     const Surroundings around = surroundings_of(barriers[i]);
     for (const Part& part : parts) {
       if (!part.heights.overlap(barriers[i].heights)) continue;
-      const double kept_m = part.radius_m + body.clearance_m;
+      const double spared = spared_m.empty() ? 0.0 : spared_m[i];
+      const double kept_m = part.radius_m + body.clearance_m - spared;
       if (point_to_segment(around.center_B, part.from, part.to) - around.radius_m - kept_m >=
           smallest.gap_m)
         continue;

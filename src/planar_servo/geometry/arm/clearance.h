@@ -53,8 +53,9 @@ struct ArmGap {
 };
 
 /// Returns the smallest gap of an arm whose elbow and end point are there. Without barriers it is
-/// infinite.
+/// infinite. To each barrier may come nearer by what `spared_m` has for it, where it has as many.
 ArmGap smallest_gap(const ArmBody& body, const std::vector<Barrier>& barriers,
-                    const Eigen::Vector2d& elbow_B, const Eigen::Vector2d& end_B);
+                    const Eigen::Vector2d& elbow_B, const Eigen::Vector2d& end_B,
+                    const std::vector<double>& spared_m = {});
 
 }  // namespace planar

@@ -17,13 +17,38 @@ namespace {
 /// at 0.3 m.
 constexpr double kCorrectionRoom = 1.0 * kDegree;
 
-/// The way of the end point while every motor makes its own move.
+/// Returns the drives with the speeds and accelerations of a move by which motors turn so far.
+std::array<MotorDrive, 3> drives_on(const Eigen::Vector3d& way,
+                                    const TransmissionSettings& settings) {
+  std::array<MotorDrive, 3> drives = settings.drives;
+  if (!settings.moves_straight) return drives;
+  // Of the share of the way that is done, per second and per second squared.
+  double speed = HUGE_VAL, acceleration = HUGE_VAL;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double length = std::abs(way[static_cast<int>(i)]);
+    if (length == 0.0) continue;
+    speed = std::min(speed, drives[i].max_speed_rad_s / length);
+    acceleration = std::min(acceleration, drives[i].max_acceleration_rad_s2 / length);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double length = std::abs(way[static_cast<int>(i)]);
+    if (length == 0.0) continue;
+    drives[i].max_speed_rad_s = speed * length;
+    drives[i].max_acceleration_rad_s2 = acceleration * length;
+  }
+  return drives;
+}
+
+/// The way of the arm while its motors make a move.
 class Way {
  public:
   Way(const PlanarArm& arm, const Transmission& transmission, const Joints& from, const Joints& to)
       : arm_(arm),
         transmission_(transmission),
-        moves_{move(0, from, to), move(1, from, to), move(2, from, to)} {}
+        from_(transmission.motors_from_joints(from)),
+        to_(transmission.motors_from_joints(to)),
+        drives_(drives_on(to_ - from_, transmission.settings())),
+        moves_{move(0), move(1), move(2)} {}
 
   double duration_s() const { return std::max(moves_[0].duration_s(), moves_[1].duration_s()); }
 
@@ -80,8 +105,7 @@ class Way {
     Eigen::Vector3d motors;
     for (int i = 0; i < 3; ++i) {
       const double speed = moves_[static_cast<std::size_t>(i)].speed_at(t_s);
-      const double brakes =
-          transmission_.settings().drives[static_cast<std::size_t>(i)].max_acceleration_rad_s2;
+      const double brakes = drives_[static_cast<std::size_t>(i)].max_acceleration_rad_s2;
       motors[i] = moves_[static_cast<std::size_t>(i)].angle_at(t_s) +
                   0.5 * speed * std::abs(speed) / brakes;
     }
@@ -89,14 +113,14 @@ class Way {
   }
 
  private:
-  MotorMove move(int motor, const Joints& from, const Joints& to) const {
-    return {transmission_.motors_from_joints(from)[motor],
-            transmission_.motors_from_joints(to)[motor],
-            transmission_.settings().drives[static_cast<std::size_t>(motor)]};
+  MotorMove move(int motor) const {
+    return {from_[motor], to_[motor], drives_[static_cast<std::size_t>(motor)]};
   }
 
   const PlanarArm& arm_;
   const Transmission& transmission_;
+  Eigen::Vector3d from_, to_;  ///< of the motors
+  std::array<MotorDrive, 3> drives_;
   std::array<MotorMove, 3> moves_;
 };
 
@@ -140,10 +164,10 @@ std::optional<std::string> JointPlanner::sweep_refusal(const Joints& from, const
           place_mm(deepest));
   }
   if (workspace_.barriers.empty()) return std::nullopt;
-  const auto depth = [&](const Joints& theta) { return -gap(theta).gap_m; };
-  const double allowed = std::max(0.0, depth(from));
-  if (const auto touches_s = way.deeper_s(depth, allowed, 0.0, way.duration_s()))
-    return "on the way there " + touching(way.joints_at(*touches_s));
+  const std::vector<double> spared_m = overlaps_m(from);
+  const auto depth = [&](const Joints& theta) { return -gap(theta, spared_m).gap_m; };
+  if (const auto touches_s = way.deeper_s(depth, 0.0, 0.0, way.duration_s()))
+    return "on the way there " + touching(way.joints_at(*touches_s), spared_m);
   return std::nullopt;
 }
 
@@ -151,12 +175,12 @@ std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const J
   if (auto refusal = sweep_refusal(from, to)) return refusal;
   if (workspace_.barriers.empty()) return std::nullopt;
   const Way way(arm_, transmission_, from, to);
-  const double allowed = std::max(0.0, -gap(from).gap_m);
+  const std::vector<double> spared_m = overlaps_m(from);
   constexpr int kStops = 64;
   for (int i = 1; i < kStops; ++i) {
     const Joints stop = way.stopped_at(way.duration_s() * i / kStops);
-    if (-gap(stop).gap_m > allowed + kWayResolution_m)
-      return "an arm that is stopped on the way there: " + touching(stop);
+    if (-gap(stop, spared_m).gap_m > kWayResolution_m)
+      return "an arm that is stopped on the way there: " + touching(stop, spared_m);
   }
   return std::nullopt;
 }
@@ -169,13 +193,23 @@ std::vector<Eigen::Vector2d> JointPlanner::drawn_way(const Joints& from, const J
   return places;
 }
 
-ArmGap JointPlanner::gap(const Joints& theta) const {
+ArmGap JointPlanner::gap(const Joints& theta, const std::vector<double>& spared_m) const {
   return smallest_gap(arm_.geometry().body, workspace_.barriers, arm_.elbow_place(theta),
-                      arm_.forward(theta).p);
+                      arm_.forward(theta).p, spared_m);
 }
 
-std::string JointPlanner::touching(const Joints& theta) const {
-  const ArmGap nearest = gap(theta);
+std::vector<double> JointPlanner::overlaps_m(const Joints& theta) const {
+  if (gap(theta).gap_m >= 0.0) return {};
+  std::vector<double> overlaps;
+  for (const Barrier& barrier : workspace_.barriers)
+    overlaps.push_back(std::max(0.0, -smallest_gap(arm_.geometry().body, {barrier},
+                                                   arm_.elbow_place(theta), arm_.forward(theta).p)
+                                          .gap_m));
+  return overlaps;
+}
+
+std::string JointPlanner::touching(const Joints& theta, const std::vector<double>& spared_m) const {
+  const ArmGap nearest = gap(theta, spared_m);
   return fmt::format("{} would come within {:.1f} mm of the obstacle {}, with the end point at {}",
                      nearest.part,
                      mm(std::max(0.0, nearest.gap_m + arm_.geometry().body.clearance_m)),
@@ -197,19 +231,19 @@ JointPlan JointPlanner::plan(const TipPose& target, const Joints& near) const {
   const Joints theta = roomy ? *roomy : branch({}).value_or(inverse.theta);
   if (!found_) return {theta, refusal(theta)};
   if (auto outside = workspace_.violation(target.p)) return {theta, outside};
-  const JointPlan plan = plan_as_found(target, theta);
+  const JointPlan plan = plan_as_found(target, theta, elbow_);
   if (!plan.refusal && gap(plan.theta).gap_m < 0.0) return {plan.theta, touching(plan.theta)};
   return {plan.theta, plan.refusal ? plan.refusal : transmission_.limit_violation(plan.theta)};
 }
 
-JointPlan JointPlanner::plan_as_found(const TipPose& target, Joints theta) const {
+JointPlan JointPlanner::plan_as_found(const TipPose& pose, Joints theta, Elbow elbow) const {
   constexpr int kSteps = 12;  // each is some ten times nearer than the one before
-  TipPose aim = target;
+  TipPose aim = pose;
   for (int step = 0; step < kSteps; ++step) {
     const TipPose now = reached(theta);
-    aim.p += target.p - now.p;
-    aim.phi += wrap_angle(target.phi - now.phi);
-    const InverseResult inverse = arm_.inverse(aim, elbow_, theta);
+    aim.p += pose.p - now.p;
+    aim.phi += wrap_angle(pose.phi - now.phi);
+    const InverseResult inverse = arm_.inverse(aim, elbow, theta);
     if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
     theta = inverse.theta;
   }

@@ -32,7 +32,7 @@ class JointPlanner {
   std::optional<std::string> refusal(const Joints& theta) const;
 
   /// Returns why the end point must not take the way from rest at some joint angles to rest at
-  /// others, on which every motor makes its own MotorMove and all begin at once; empty when it may.
+  /// others, on which all motors begin at once; empty when it may.
   /// Nowhere may the way lead more than kWayResolution_m deeper beyond a border of the workspace
   /// than where it begins, so that an arm that stands in a keep-out disc can leave it.
   std::optional<std::string> way_refusal(const Joints& from, const Joints& to) const;
@@ -58,16 +58,23 @@ class JointPlanner {
 
   /// Returns that arm, with the sense, the coupling and the gears of the files.
   const std::optional<FoundArm>& found() const { return found_; }
-  /// Returns its scatter, and by how much its base moves; 0 where no arm was found.
-  double scatter_m() const { return found_ ? found_->scatter_m : 0.0; }
+  /// Returns its scatter; where no arm was found, that of an arm whose maker states a repeatability
+  /// of 0.06 mm: those of small arms are 0.02 to 0.2 mm.
+  double scatter_m() const { return found_ ? found_->scatter_m : 20e-6; }
+  /// Returns by how much its base moves; 0 where no arm was found.
   double wander_m() const { return found_ ? found_->wander_m : 0.0; }
+  /// Returns the joint angles, near `theta`, by which the arm as it was found stands at a pose with
+  /// this elbow.
+  JointPlan plan_as_found(const TipPose& pose, Joints theta, Elbow elbow) const;
   bool has_barriers() const { return !workspace_.barriers.empty(); }
   const PlanarArm& arm() const { return arm_; }
   const Transmission& transmission() const { return transmission_; }
 
  private:
   /// Returns the gap to the nearest barrier.
-  ArmGap gap(const Joints& theta) const;
+  ArmGap gap(const Joints& theta, const std::vector<double>& spared_m = {}) const;
+  /// Returns by how much the arm is too near to each barrier; nothing where it is to none.
+  std::vector<double> overlaps_m(const Joints& theta) const;
   /// Returns how far the arm is from the nearest barrier or border, negative beyond it; minus
   /// infinity outside the limits of the motors.
   double room_m(const Joints& theta) const;
@@ -77,9 +84,7 @@ class JointPlanner {
   /// Returns why the way between two rests is forbidden to an arm that is not stopped on it.
   std::optional<std::string> sweep_refusal(const Joints& from, const Joints& to) const;
   /// Says in words which part touches which barrier there.
-  std::string touching(const Joints& theta) const;
-  /// Returns the joint angles, near `theta`, by which the arm as it was found reaches the target.
-  JointPlan plan_as_found(const TipPose& target, Joints theta) const;
+  std::string touching(const Joints& theta, const std::vector<double>& spared_m = {}) const;
 
   PlanarArm arm_;
   Transmission transmission_;

@@ -39,6 +39,9 @@ struct MotorDrive {
 struct TransmissionSettings {
   std::array<Coupling, 2> coupling{Coupling::kRelative, Coupling::kRelative};  ///< motors 2 and 3
   std::array<MotorDrive, 3> drives;
+  /// Whether all motors take the same time for a move, so that their angles change in one straight
+  /// line. Else each makes its own MotorMove.
+  bool moves_straight{false};
   /// Lower and upper limit of each motor's angle behind its gear, radians.
   std::array<Eigen::Vector2d, 3> limits_rad{Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.0, 0.0),
                                             Eigen::Vector2d(0.0, 0.0)};

@@ -221,6 +221,7 @@ double JointPlanner::room_m(const Joints& theta) const {
 }
 
 std::vector<Joints> JointPlanner::way_round(const Joints& from, const Joints& to) const {
+  if (transmission_.limit_violation(to)) return {};
   if (!way_refusal(from, to)) return {to};
   if (workspace_.barriers.empty()) return {};
   const Eigen::Vector3d begin = transmission_.motors_from_joints(from);
@@ -232,7 +233,7 @@ std::vector<Joints> JointPlanner::way_round(const Joints& from, const Joints& to
   const Eigen::Vector2d& lengths = arm_.geometry().link_lengths_m;
   const bool rides = transmission_.coupling_matrix()(1, 0) != 0.0;
   std::list<RoomGrid> grids;
-  for (const double step : {3.0 * kDegree, 1.0 * kDegree}) {
+  for (const double step : {3.0 * kDegree, 1.0 * kDegree, kDegree / 3.0}) {
     const double reach_m = 0.5 * step * (lengths[0] + (rides ? 2.0 : 1.0) * lengths[1]);
     const Cell goal = cell_at(end - begin, step);
     RoomGrid& grid = grids.emplace_back(
@@ -261,7 +262,9 @@ std::vector<Joints> JointPlanner::shortened(const std::vector<Joints>& rests) co
   for (std::size_t at = 0; at + 1 < rests.size();) {
     std::size_t next = 0;
     for (std::size_t stride = rests.size() - 1 - at; stride > 0 && next == 0; stride /= 2)
-      if (!way_refusal(rests[at], rests[at + stride])) next = at + stride;
+      if (!transmission_.limit_violation(rests[at + stride]) &&
+          !way_refusal(rests[at], rests[at + stride]))
+        next = at + stride;
     if (next == 0) return {};
     way.push_back(rests[next]);
     at = next;

@@ -85,6 +85,10 @@ class DriveKind : public DeviceKind {
   /// Fills in what follows from other settings. It is called once the whole file is free of faults.
   virtual void complete(CellSettings& /*cell*/, std::size_t /*joint*/) const {}
 
+  /// Returns whether the motors of a move take the same time, so that their angles change in one
+  /// straight line; else each goes as fast as it may.
+  virtual bool moves_straight() const { return true; }
+
   /// Opens the drives of a cell whose drives are of this kind, unless that is virtual. Throws
   /// DriveError when a drive cannot be used.
   virtual std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/) const { return nullptr; }

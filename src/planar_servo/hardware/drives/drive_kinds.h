@@ -52,6 +52,7 @@ TicInspection inspect_tic(TicBus& bus, const std::string& serial);
 class TicKind final : public DriveKind {
  public:
   std::string name() const override { return "tic"; }
+  bool moves_straight() const override { return false; }
   std::string new_keys(std::size_t joint, double mark_deg) const override;
   /// Serial numbers tell the drives apart, whatever socket they are plugged into.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override;

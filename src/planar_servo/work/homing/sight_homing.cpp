@@ -95,7 +95,7 @@ class SightHoming {
       const Eigen::Vector2d before = middle_of(seen_);
       move(motor, sense * sign * turn);
       sum += sense * (middle_of(seen_) - before);
-      if (keeps_those_that_moved(moves, sum / n, n, what, n == kMostTurns)) return;
+      if (keeps_those_that_moved(moves, sum / n, n, property, what, n == kMostTurns)) return;
     }
   }
 
@@ -111,15 +111,17 @@ class SightHoming {
     seen_ = seen_places(sensor_, *cell_.vision);
   }
 
-  /// Keeps the postures that predict the mean move of `n` turns, where it tells. Throws WorkError
-  /// where that is still in doubt and these were the last turns.
+  /// Keeps the postures with the property of the one that predicts the mean move of `n` turns best,
+  /// where it tells. Throws WorkError where that is still in doubt and these were the last turns.
+  template <typename Property>
   bool keeps_those_that_moved(const std::vector<Eigen::Vector2d>& moves,
-                              const Eigen::Vector2d& seen, int n, const char* what, bool is_last) {
+                              const Eigen::Vector2d& seen, int n, const Property& property,
+                              const char* what, bool is_last) {
     // A gear may turn by this share more or less within a small angle.
     constexpr double kGearShare = 0.05, kSigmas = 4.0;
-    // Of a move: looks of moving air, and stops of the arm as it was found, or of an ordinary one.
-    const double stop_m = cell_.planner.found() ? cell_.planner.scatter_m() : 20e-6;
-    const double scatter_m = kSigmas * std::hypot(10e-6, std::sqrt(2.0) * stop_m) / std::sqrt(n);
+    // Of a move: looks of moving air, and two stops.
+    const double scatter_m =
+        kSigmas * std::hypot(10e-6, std::sqrt(2.0) * cell_.planner.scatter_m()) / std::sqrt(n);
     std::size_t best = 0;
     for (std::size_t i = 1; i < moves.size(); ++i)
       if ((seen - moves[i]).norm() < (seen - moves[best]).norm()) best = i;
@@ -127,8 +129,7 @@ class SightHoming {
     std::vector<PostureCandidate> kept;
     double next = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < moves.size(); ++i) {
-      constexpr double kSameMove_m = 10e-6;
-      if ((moves[i] - moves[best]).norm() < kSameMove_m)
+      if (property(left_[i]) == property(left_[best]))
         kept.push_back(left_[i]);
       else
         next = std::min(next, (seen - moves[i]).norm());
@@ -236,18 +237,10 @@ Joints joints_seen(const CalibratedCell& cell, const PostureCandidate& posture,
                                              cell.settings.servo.frames_per_measurement);
   if (!seen.ok())
     throw WorkError({"the lamps are lost after homing by sight: " + seen.word, kByHand});
-  constexpr int kSteps = 12;  // each is some ten times nearer than the one before
-  Joints theta = posture.theta;
-  TipPose aim = seen.tip;
-  for (int step = 0; step < kSteps; ++step) {
-    const InverseResult inverse = planner.arm().inverse(aim, posture.elbow, theta);
-    if (inverse.status != ReachStatus::kOk) break;
-    theta = inverse.theta;
-    const TipPose now = planner.reached(theta);
-    aim.p += seen.tip.p - now.p;
-    aim.phi += wrap_angle(seen.tip.phi - now.phi);
-  }
-  return theta;
+  const JointPlan plan = planner.plan_as_found(seen.tip, posture.theta, posture.elbow);
+  if (plan.refusal)
+    throw WorkError({"no joint angles lead to where the tool is seen: " + *plan.refusal, kByHand});
+  return plan.theta;
 }
 
 }  // namespace

@@ -178,7 +178,13 @@ double CellCheck::expected_s(std::size_t places) const {
 std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
   std::vector<ArmSight> sights;
   for (int motor = -1; motor < 3; ++motor) {
+    const Joints before = theta;
     if (motor >= 0) theta = ways_.with_motor_turned(theta, motor);
+    if (motor >= 0 && theta == before)
+      spdlog::warn(
+          fmt::format("motor {} cannot be turned here by a quarter of a first move: a wrong "
+                      "direction, gear or limit of it would not be seen",
+                      motor + 1));
     if (const auto reason = go_to(theta)) return {without_size(Cause::kNotVisited, *reason)};
     const auto lamps_B = look();
     if (!lamps_B)

@@ -59,7 +59,7 @@ std::optional<Joints> CheckWays::start(const Joints& present) const {
 
 Joints CheckWays::with_motor_turned(const Joints& theta, int motor) const {
   const Transmission& transmission = planner_.transmission();
-  for (const double share : {1.0, -1.0, 0.5, -0.5}) {
+  for (const double share : {1.0, -1.0, 0.5, -0.5, 0.25, -0.25}) {
     Eigen::Vector3d motors = transmission.motors_from_joints(theta);
     motors[motor] += share * first_moves()[motor];
     Joints turned = transmission.joints_from_motors(motors);
