@@ -7,15 +7,20 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/checksum.h"
 #include "planar_servo/console/doctor/doctor.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/result_table.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
+#include "support/texts.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
+using Catch::EndsWith;
 using State = WorkStep::State;
 
 WorkStep next_of(const std::vector<WorkStep>& steps) {
@@ -36,6 +41,8 @@ void copy_workshop(const test::TemporaryFolder& folder) {
   std::filesystem::copy(test::workshop_cell_file().parent_path(), folder.path(),
                         std::filesystem::copy_options::recursive);
 }
+
+constexpr char kOnePair[] = "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\na,1,2,1,2\n";
 
 TEST_CASE("A cell file alone is followed by a plan") {
   const test::TemporaryFolder folder;
@@ -74,8 +81,57 @@ TEST_CASE("Of files that are missing, the step that makes the first is next") {
   copy_workshop(folder);
   std::filesystem::remove(folder / "map.yaml");
   CHECK(next_of(work_steps(folder / "cell.yaml", kUsualBoard)).name == "plan");  // for the pairs
-  folder.write("pairs.csv", "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\na,1,2,1,2\n");
+  folder.write("pairs.csv", kOnePair);
   CHECK(next_of(work_steps(folder / "cell.yaml", kUsualBoard)).name == "error map");
+}
+
+TEST_CASE("A map that its fit rejects asks for more places, and with new pairs for a new fit") {
+  const test::TemporaryFolder folder;
+  copy_workshop(folder);
+  const auto map = folder / "map.yaml", pairs = folder.write("pairs.csv", kOnePair);
+  const std::string made_from_these =
+      test::replaced(read_file(map), read_origins(map).front().sha256, content_sha256(pairs));
+  folder.write("map.yaml",
+               test::replaced(made_from_these, "worth_using: true",
+                              "worth_using: false\n  n_judged: 200\n  coverage_95: 0.95"));
+  const WorkStep rejected = next_of(work_steps(folder / "cell.yaml", kUsualBoard));
+  CHECK(rejected.name == "error map");
+  CHECK_THAT(rejected.command, Contains("planar-plan --cell") && Contains("--after"));
+  folder.write("pairs.csv", std::string(kOnePair) + "b,3,4,3,4\n");
+  const WorkStep anew = next_of(work_steps(folder / "cell.yaml", kUsualBoard));
+  CHECK(anew.name == "error map");
+  CHECK_THAT(anew.what, Contains("was made with pairs.csv"));
+  CHECK_THAT(anew.command, Contains("planar-fit-error-map --cell"));
+}
+
+TEST_CASE("A certificate that was begun is continued with the files it was begun with alone") {
+  const test::TemporaryFolder folder;
+  copy_workshop(folder);
+  const auto cell = folder / "cell.yaml", map = folder / "map.yaml";
+  std::filesystem::create_directory(folder / "certificate");
+  const std::string other(64, '0');
+  const auto begin_with = [&](const std::string& cell_sha256, const std::string& map_sha256) {
+    folder.write("certificate/cycles.csv", cycles_header({"# cell: " + cell_sha256}));
+    folder.write("certificate/results.csv",
+                 results_header(csv_remarks({{Role::kErrorMap, "map.yaml", map_sha256}})));
+    return named(work_steps(cell, kUsualBoard), "certificate").command;
+  };
+  CHECK_THAT(begin_with(content_sha256(cell), content_sha256(map)), EndsWith("/certificate"));
+  CHECK_THAT(begin_with(other, content_sha256(map)), EndsWith("/certificate_2"));
+  CHECK_THAT(begin_with(content_sha256(cell), other), EndsWith("/certificate_2"));
+}
+
+TEST_CASE("Pairs are calculated by themselves but where a person measures the board's thickness") {
+  const test::TemporaryFolder folder;
+  std::string text = read_file(test::paper_cell_file());
+  CHECK(named(work_steps(folder.write("cell.yaml", text), kUsualBoard), "pairs").is_calculated);
+  const std::size_t tracker = text.find("tracker:");
+  text.replace(tracker, text.find("workspace:") - tracker,
+               "tracker: {source: none, sigma_mm: 0, sigma_mm_per_m: 0}\ndatum: []\n");
+  const auto steps = work_steps(folder.write("cell.yaml", text), kUsualBoard);
+  CHECK_FALSE(named(steps, "pairs").is_calculated);
+  CHECK_THAT(named(steps, "pairs").command, Contains("--board-thickness-mm T"));
+  CHECK(named(steps, "lamps").is_calculated);
 }
 
 TEST_CASE("A real cell is recorded with a board that a person holds, and with a tracker") {
@@ -105,7 +161,7 @@ TEST_CASE("A bar and marks beside the cell file enter the fit of the map") {
       "id,x_mm,y_mm,kind,size_mm\nA,0,0,bright_disc,5\nB,300,0,bright_disc,5\n";
   folder.write("marks.csv", marks);
   CHECK_THAT(named(work_steps(cell, kUsualBoard), "error map").what, Contains("was made without"));
-  folder.write("pairs.csv", "id,x_vision_mm,y_vision_mm,x_tracker_mm,y_tracker_mm\na,1,2,1,2\n");
+  folder.write("pairs.csv", kOnePair);
   CHECK(next_of(work_steps(cell, kUsualBoard)).name == "bar and marks");
   CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).command,
              Contains("bar/marks.png | planar-jog"));

@@ -35,6 +35,23 @@ TEST_CASE("What the camera drifted since a reading is no miss of a place that wa
   CHECK(judged.rms == Approx(std::sqrt(2.0) * cell.noise_reflector).epsilon(0.25));
 }
 
+TEST_CASE("Air that moves pictures of both lamps is in what is stated of places left out") {
+  test::BentCell cell;
+  cell.noise_reflector = 3e-6;
+  std::mt19937 random(35);
+  JointEstimate estimate;
+  estimate.nominal = cell.nominal();
+  estimate.priors.air_sigma = 10e-6;
+  std::normal_distribution<double> air(0.0, estimate.priors.air_sigma);
+  auto samples = cell.samples(120, 0, random);
+  for (PoseSample& sample : samples) {
+    const Eigen::Vector2d moved(air(random), air(random));
+    for (Eigen::Vector2d& lamp : sample.lamps_B) lamp += moved;
+  }
+  estimate.fit = fit_jointly(estimate.model(), estimate.priors, samples, 0.6).value();
+  CHECK(hold_out(estimate, samples).coverage_95 == Approx(0.95).margin(0.06));
+}
+
 TEST_CASE("Readings of one place leave together") {
   // Four readings at each of 25 places share an error of their place.
   const test::BentCell cell;

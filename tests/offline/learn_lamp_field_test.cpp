@@ -1,13 +1,16 @@
 #include "planar_servo/offline/map/learn_lamp_field.h"
 
 #include <catch2/catch.hpp>
+#include <random>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibration_files.h"
+#include "planar_servo/geometry/lens/lens_models.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "support/rendered_lamp.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -101,6 +104,85 @@ TEST_CASE("An arm's readings come from pairs and from samples alike") {
   CHECK((by_pairs[0].motors - by_samples[0].motors).norm() < 1e-8);
   CHECK((by_pairs[0].p_B - by_samples[0].p_B).norm() < 1e-12);
   CHECK(by_pairs[0].sigma == Approx(by_samples[0].sigma));
+}
+
+TEST_CASE("An arm is found with the gears of its cell file") {
+  CellSettings cell = read_cell(test::workshop_cell_file());
+  cell.transmission.drives[1].gear_ratio = 36.0;
+  const Eigen::Vector3d gears(100.0, 36.0, 50.0);
+  CHECK(arm_of_files(cell).gear_ratios == gears);
+  CHECK(nominal_arm(cell, read_vision(cell, true)).gear_ratios == gears);
+}
+
+/// A camera 0.9 m above the base's axis.
+VisionCalibration from_above() {
+  Pose X_WC = Pose::Identity();
+  X_WC.linear() << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
+  X_WC.translation().z() = 0.9;
+  return {{}, {Pinhole{{1000.0, 1000.0, 499.5, 399.5}}, X_WC}, {}};
+}
+
+/// Returns what reads its picture of bright discs, 40 mm wide.
+std::function<std::vector<Frame>()> discs_at(const std::vector<Eigen::Vector2d>& places) {
+  const cv::Size sensor(1000, 800);
+  cv::Mat scene = test::background(sensor);
+  for (const Eigen::Vector2d& place : places)
+    test::add_lamp(scene, {*from_above().workplane.pixel_from_plane(place), 0.04 * 1000.0 / 0.9});
+  std::mt19937 random(1);
+  const Frame frame{test::expose(scene, random), cv::Rect({}, sensor)};
+  return [frame] { return std::vector<Frame>{frame}; };
+}
+
+TEST_CASE("More pictures of a mark do not make its height more certain") {
+  const test::TemporaryFolder folder;
+  LampFieldFiles files;
+  files.marks = folder.write("marks.csv",
+                             "id,x_mm,y_mm,kind,size_mm,sigma_z_mm\n"
+                             "A,300,0,bright_disc,40,0.5\nB,-300,0,bright_disc,40,0\n");
+  files.marks_sigma = 5e-6;
+  files.pictures.assign(8, discs_at({{0.3, 0.0}, {-0.3, 0.0}}));
+  const LaidDots laid = laid_things(files, from_above(), 0.6);
+  REQUIRE(laid.marks.size() == 2);
+  // A third of the height's deviation, in one of two directions.
+  CHECK(laid.marks[0].sigma == Approx(0.5e-3 / 3.0 / std::sqrt(2.0)).epsilon(0.03));
+  CHECK(laid.marks[1].sigma < 20e-6);
+}
+
+TEST_CASE("What is not known of a bar's height is common to its sights") {
+  const test::TemporaryFolder folder;
+  LampFieldFiles files;
+  files.bar = folder.write("bar.csv",
+                           "id,x_mm,y_mm,kind,size_mm,sigma_z_mm\n"
+                           "A,0,0,bright_disc,40,0.5\nB,300,0,bright_disc,40,0.5\n");
+  files.bar_sigma = 5e-6;
+  files.pictures = {discs_at({{-0.15, 0.0}, {0.15, 0.0}}), discs_at({{0.0, -0.15}, {0.0, 0.15}})};
+  const LaidDots laid = laid_things(files, from_above(), 0.6);
+  REQUIRE(laid.lengths.size() == 2);
+  CHECK(laid.length_sigma == Approx(0.3 * 0.5e-3 / 0.9).epsilon(0.01));
+  for (const LengthSight& sight : laid.lengths) CHECK(sight.sigma < 50e-6);
+}
+
+TEST_CASE("Marks and bars beyond where lamps were seen do not count") {
+  const test::TemporaryFolder folder;
+  const std::string table =
+      "id,x_mm,y_mm,kind,size_mm\nA,300,0,bright_disc,40\nB,-100,0,bright_disc,40\n";
+  LampFieldFiles marks, bar;
+  marks.marks = folder.write("marks.csv", table);
+  bar.bar = folder.write("bar.csv", table);  // 400 mm long
+  marks.pictures = {discs_at({{0.3, 0.0}, {-0.1, 0.0}})};
+  bar.pictures = {marks.pictures[0], discs_at({{0.0, -0.2}, {0.0, 0.2}})};
+  CHECK(fixed_by(0, laid_things(marks, from_above(), 0.35)).turn == FieldSource::kMarks);
+  const LaidDots inner = laid_things(marks, from_above(), 0.25);
+  REQUIRE(inner.marks.size() == 1);
+  CHECK(inner.marks[0].p_B.x() == Approx(-0.1));
+  CHECK(fixed_by(0, inner).turn == FieldSource::kNothing);
+  CHECK_THROWS_WITH(laid_things(marks, from_above(), 0.05),
+                    Contains("none of the 2 marks") && Contains("within 50 mm of the axis"));
+  CHECK(laid_things(bar, from_above(), 0.35).lengths.size() == 2);
+  CHECK(laid_things(bar, from_above(), 0.25).lengths.size() == 1);
+  CHECK_THROWS_WITH(
+      laid_things(bar, from_above(), 0.15),
+      Contains("seen in none of 2 pictures with both ends within 150 mm") && Contains("lay it"));
 }
 
 TEST_CASE("A field at the lamps is judged where the tracker saw the reflector") {

@@ -13,6 +13,7 @@
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/calibration_page.h"
 #include "planar_servo/offline/lamps_report.h"
+#include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
 #include "planar_servo/offline/pairs/pair_page.h"
@@ -351,6 +352,32 @@ TEST_CASE("The page of a field at the lamps draws the end point's error and its 
                        Contains("field without the arm: ") &&
                        Contains("<caption>What each source is worth</caption>") &&
                        Contains("<th scope=\"row\">link 1</th><td>"));
+}
+
+TEST_CASE("Where a map at the end point is taken, report and page are about that map") {
+  const test::BentCell cell;
+  std::mt19937 random(32);
+  LampFieldFit fit = fit_lamp_field(cell.nominal(), cell.samples(20, 20, random));
+  CHECK(lamp_field_list(fit).json()["method"] == "lamp_field");
+  CHECK_THAT(map_verdict(fit).good, Contains("the end point is known to"));
+  const FitErrorMapReport report = fitted(test::lens_field, test::kFieldNoise);
+  fit.end_point_map = report.result;
+  const ReportList list = lamp_field_list(fit);
+  CHECK(list.json()["method"].get<std::string>() == name(kind_of(report.result.map)));
+  CHECK_FALSE(list.has_rows("sources"));
+  CHECK_THAT(map_verdict(fit).good, !Contains("the end point is known to"));
+  const MapView view = view_of(fit, list), of_map = view_of(report, list);
+  CHECK(view.region.hull == of_map.region.hull);
+  CHECK(view.what_is_drawn == of_map.what_is_drawn);
+  for (const Eigen::Vector2d& p : of_map.places)
+    CHECK(view.predict(p).error == of_map.predict(p).error);
+  const test::TemporaryFolder folder;
+  LampFieldFiles files{folder.write("pairs.csv", "id\n"), {}, folder / "map.yaml"};
+  files.bar = folder.write("bar.csv", "id,x_mm,y_mm,kind,size_mm\n");
+  write_lamp_field(files, fit, {}, "test");
+  const std::vector<Origin> origins = read_origins(files.map);
+  REQUIRE(origins.size() == 2);
+  CHECK(origins[1].role == Role::kBar);
 }
 
 TEST_CASE("The page of an arm shows places left out over places and angles, and every term") {

@@ -215,8 +215,13 @@ std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& 
 
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program) {
+  return map_text(result, with_origins_of({origin_of({Role::kPairs, pairs})}, pairs), program);
+}
+
+std::string map_text(const MapResult& result, const std::vector<Origin>& origins,
+                     const std::string& program) {
   YamlWriter yaml("map", program);
-  yaml.add_inputs(input_records(with_origins_of({origin_of({Role::kPairs, pairs})}, pairs)));
+  yaml.add_inputs(input_records(origins));
   yaml.map("fit", [&] { add_figures(yaml, result); });
   yaml.add("method", name(kind_of(result.map)));
   std::visit(

@@ -22,8 +22,10 @@ std::string lamp_field_text(const LampFieldFit& fit, const std::vector<Origin>& 
                             const std::string& program);
 
 /// Returns the text of map.yaml: the map, from which it can be evaluated bit for bit (lengths in
-/// metres as they are held, in keys that end with `_m`), the figures of its fit, and the name and
-/// hash of its pairs.
+/// metres as they are held, in keys that end with `_m`), the figures of its fit, and its origins.
+std::string map_text(const MapResult& result, const std::vector<Origin>& origins,
+                     const std::string& program);
+/// Returns the same of a map that was made from pairs alone.
 std::string map_text(const MapResult& result, const std::filesystem::path& pairs,
                      const std::string& program);
 

@@ -105,11 +105,18 @@ std::vector<ArmReading> read_arm_readings(const CellSettings& cell,
   return readings;
 }
 
-ArmNominal arm_of_files(const CellSettings& cell) {
+ArmNominal arm_of_cell(const CellSettings& cell) {
   ArmNominal nominal;
   nominal.geometry = cell.arm.geometry;
   nominal.joints_per_motor = Transmission(cell.transmission).coupling_matrix().inverse();
+  for (int i = 0; i < 3; ++i)
+    nominal.gear_ratios[i] = cell.transmission.drives[static_cast<std::size_t>(i)].gear_ratio;
   nominal.separation = cell.lamps.layout.separation_m;
+  return nominal;
+}
+
+ArmNominal arm_of_files(const CellSettings& cell) {
+  ArmNominal nominal = arm_of_cell(cell);
   nominal.tool.reflector_known = false;
   if (std::filesystem::exists(cell.tool)) nominal.tool = read_tool(cell.tool);
   if (!nominal.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;

@@ -17,6 +17,9 @@ namespace planar {
 std::vector<ArmReading> read_arm_readings(const CellSettings& cell,
                                           const std::filesystem::path& path);
 
+/// Returns the arm and the lamps' distance as the cell file has them.
+ArmNominal arm_of_cell(const CellSettings& cell);
+
 /// Returns the arm as the cell has it, and its tool as far as there is a tool file. Without one the
 /// reflector may be anywhere on the tool.
 ArmNominal arm_of_files(const CellSettings& cell);

@@ -89,11 +89,12 @@ std::string anchor_options(const WorkFiles& work) {
   return options + " --image " + shell_word(bar_folder(work)) + "/*.png";
 }
 
-/// Fits the map or, where its own fit has rejected the one there is, plans more places first.
+/// Fits the map or, where the fit to the present pairs has rejected it, plans more places first.
 std::string map_command(const WorkFiles& work) {
   const CellSettings& cell = work.cell();
   try {
-    if (fs::exists(cell.error_map) && objection(read_map(cell.error_map).quality))
+    if (fs::exists(cell.error_map) && !work.stale_by_table(cell.error_map) &&
+        objection(read_map(cell.error_map).quality))
       return command(
           work, "planar-plan",
           fmt::format(" --readings {} --after {} -o {}", kMoreReadings, shell_word(work.pairs()),
@@ -112,7 +113,8 @@ std::string map_command(const WorkFiles& work) {
 WorkStep map_step(const WorkFiles& work) {
   std::vector<fs::path> files{work.cell().error_map};
   if (work.cell().arm_found) files.push_back(*work.cell().arm_found);
-  Reason reason = work.reason_of(files);
+  Reason reason = work.stale_by_table(files[0]);
+  if (!reason) reason = work.reason_of(files);
   for (const MadeFile& anchor : work.anchors())
     if (!reason && !names(read_origins(files[0]), anchor.role))
       reason = fmt::format("{} was made without {}", files[0].string(), anchor.path.string());
@@ -227,7 +229,7 @@ std::vector<WorkStep> calibration_steps(const WorkFiles& work) {
       recording_step(work, is_open(camera) || is_open(lamps) || is_open(pairs));
   const WorkStep plan = plan_step(work, is_open(recording));
   std::vector<WorkStep> steps{calculated(plan), recording, calculated(camera), calculated(lamps),
-                              calculated(pairs)};
+                              has_tracker(work) ? calculated(pairs) : pairs};
   if (anchors) steps.push_back(*anchors);
   steps.push_back(calculated(map));
   return steps;
@@ -321,7 +323,7 @@ WorkStep run_step(const WorkFiles& work) {
                                   shell_word(work.next_of("run")))));
 }
 
-/// A certificate that was begun is continued.
+/// A certificate that was begun with the present files is continued.
 WorkStep certificate_step(const WorkFiles& work) {
   if (!has_tracker(work) && !work.cell().truth)
     return {State::kDone, "certificate",
@@ -331,7 +333,7 @@ WorkStep certificate_step(const WorkFiles& work) {
   fs::path out = work.next_of("certificate");
   std::string done;
   for (const fs::path& there : work.folders("certificate")) {
-    if (!fs::exists(there / "certificate.json")) out = there;
+    if (work.is_certificate_to_continue(there)) out = there;
     if (!work.is_certificate_of_now(there)) continue;
     reason.reset();
     done = there.string() + " certifies this calibration";

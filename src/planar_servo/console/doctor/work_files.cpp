@@ -79,9 +79,14 @@ std::optional<std::string> WorkFiles::reason_of(const std::vector<fs::path>& fil
       if (finding.where == file.filename().string() &&
           finding.verdict == Finding::Verdict::kFaulty && !finding.remedy.empty())
         return fmt::format("{}; {}", finding.fault, finding.remedy);
-    for (const StaleFile& stale : stale_)
-      if (stale.path == file) return stale.text();
+    if (auto stale = stale_by_table(file)) return stale;
   }
+  return std::nullopt;
+}
+
+std::optional<std::string> WorkFiles::stale_by_table(const fs::path& file) const {
+  for (const StaleFile& stale : stale_)
+    if (stale.path == file) return stale.text();
   return std::nullopt;
 }
 
@@ -137,10 +142,22 @@ bool WorkFiles::is_run_of_now(const fs::path& run) const {
   const bool by_truth = about.find("_truth:") != about.npos;  // only a virtual cell has one
   if (about.find("error_map_used: false") != about.npos || by_truth != cell_.truth.has_value())
     return false;
+  return are_results_of_now(results);
+}
+
+bool WorkFiles::are_results_of_now(const fs::path& results) const {
   std::vector<MadeFile> files = calibration_files(cell_, true);
   if (cell_.arm_found) files.push_back({Role::kArmFound, *cell_.arm_found});
   return contradictions({{Role::kPairs, results}}, origins_in(cell_, files), values_of(kRoles))
       .empty();
+}
+
+bool WorkFiles::is_certificate_to_continue(const fs::path& certificate) const {
+  const fs::path cycles = certificate / "cycles.csv", results = certificate / "results.csv";
+  if (fs::exists(certificate / "certificate.json")) return false;
+  if (!fs::exists(cycles)) return !fs::exists(results);
+  return remark_in(cycles, "# cell: ") == content_sha256(cell_.file) &&
+         (!fs::exists(results) || are_results_of_now(results));
 }
 
 bool WorkFiles::is_certificate_of_now(const fs::path& certificate) const {

@@ -33,6 +33,9 @@ class WorkFiles {
   /// Returns why the first of these files that is missing, faulty or no longer valid is so.
   std::optional<std::string> reason_of(const std::vector<std::filesystem::path>& files) const;
 
+  /// Returns why a file was made from other tables than those that are there now.
+  std::optional<std::string> stale_by_table(const std::filesystem::path& file) const;
+
   /// Returns the file and, for one of the calibration, the program that made it and when.
   std::string description(const std::filesystem::path& file) const;
 
@@ -54,8 +57,12 @@ class WorkFiles {
   bool is_run_of_now(const std::filesystem::path& run) const;
   /// Returns whether the folder of a certificate is about the calibration as it is now.
   bool is_certificate_of_now(const std::filesystem::path& certificate) const;
+  /// Returns whether a certificate that was begun in the folder can be continued with the cell file
+  /// and the calibration as they are now.
+  bool is_certificate_to_continue(const std::filesystem::path& certificate) const;
 
  private:
+  bool are_results_of_now(const std::filesystem::path& results) const;
   std::string name_of(Role role, const char* otherwise) const;
   std::vector<StaleFile> stale_by_tables() const;
 

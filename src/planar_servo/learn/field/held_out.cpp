@@ -48,14 +48,17 @@ Eigen::Vector2d vision_minus_tracker(const TipPose& tip, const ToolOffsets& tool
   return tip.p + rotation2d(tip.phi) * tool.p_TS.head<2>() - p_reflector;
 }
 
-/// Returns the stated variances per axis of that difference.
+/// Returns the stated variances per axis of that difference. Air moves both lamps alike, and the
+/// end point with them.
 Eigen::Vector2d stated_variances(const CompensatedTip& found, const JointEstimate& estimate,
                                  const LampField& field, const PoseSample& sample) {
   const double lamp = estimate.priors.lamp_factor * sample.sigma_lamp;
   Eigen::Matrix2d covariance = found.covariance;
   for (const TipSlope& slope : tip_slopes(found.lamps_B, field.tool))
     covariance += lamp * lamp * slope.p * slope.p.transpose();
-  return covariance.diagonal().array() + sample.sigma_reflector * sample.sigma_reflector;
+  const double air = estimate.priors.air_sigma;
+  return covariance.diagonal().array() + air * air +
+         sample.sigma_reflector * sample.sigma_reflector;
 }
 
 void judge_readings(const JointEstimate& without, const std::vector<PoseSample>& used,

@@ -181,13 +181,6 @@ std::vector<PoseSample> tuning_part(const std::vector<PoseSample>& samples) {
   return part;
 }
 
-double radius_of(const std::vector<PoseSample>& samples) {
-  double radius = 0.0;
-  for (const PoseSample& sample : samples)
-    for (const Eigen::Vector2d& lamp : sample.lamps_B) radius = std::max(radius, lamp.norm());
-  return radius;
-}
-
 /// Returns Gaussians over the time in which the samples were taken; none where it is too short to
 /// show a slow motion.
 FieldBasis basis_over_time(const std::vector<PoseSample>& samples) {
@@ -390,6 +383,13 @@ std::size_t readings_in(const std::vector<PoseSample>& samples) {
                     [](const PoseSample& sample) { return sample.reflector_B.has_value(); }));
 }
 
+double seen_radius(const std::vector<PoseSample>& samples) {
+  double radius = 0.0;
+  for (const PoseSample& sample : samples)
+    for (const Eigen::Vector2d& lamp : sample.lamps_B) radius = std::max(radius, lamp.norm());
+  return radius;
+}
+
 ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                        const LaidDots& laid) {
   constexpr std::size_t kPlacesForTurn = 2;
@@ -410,7 +410,7 @@ JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<Pose
     estimate.nominal.end_point_sigma =
         estimate.nominal.tool.covariance.diagonal().head<2>().cwiseSqrt().cwiseMax(kBestEndPoint);
   if (readings_in(samples) == 0) require_turned(board);
-  const double radius = radius_of(samples);
+  const double radius = seen_radius(samples);
   Selection selection{samples, std::vector<std::size_t>(samples.size()), {}};
   std::iota(selection.indices.begin(), selection.indices.end(), std::size_t{0});
   const ArmModelSize largest = largest_size(estimate.nominal, samples, radius, trust);

@@ -69,6 +69,10 @@ constexpr std::size_t kFewestPoses = 12;
 
 std::size_t readings_in(const std::vector<PoseSample>& samples);
 
+/// Returns the radius of the disc about the base's axis in which lamps were seen. A field is
+/// estimated there, and nothing that lies beyond tells of it.
+double seen_radius(const std::vector<PoseSample>& samples);
+
 /// Returns the arm as its files have it, with the zero of motor 1 beyond doubt when less than two
 /// readings or marks of the base fix the turn about its axis, and with what is known of its axes'
 /// leans.

@@ -1,12 +1,14 @@
 #include "planar_servo/offline/map/learn_lamp_field.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -15,6 +17,7 @@
 #include "planar_servo/files/work_file.h"
 #include "planar_servo/geometry/arm/transmission.h"
 #include "planar_servo/hardware/cell/device_kinds.h"
+#include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/workpiece/find_work.h"
 
@@ -88,50 +91,101 @@ BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
   return lay;
 }
 
-/// Adds each sight of the bar. Its length is certified, so that a board's pitch no longer counts.
-void add_bar(const LampFieldFiles& files, const VisionCalibration& uncompensated, LaidDots& laid) {
+/// Returns the marks without the doubts about their heights, which are common to all pictures.
+std::vector<Fiducial> at_height(std::vector<Fiducial> marks) {
+  for (Fiducial& mark : marks) mark.sigma_z = 0.0;
+  return marks;
+}
+
+void warn_of_beyond(const std::filesystem::path& file, const std::string& what, double radius) {
+  spdlog::warn(
+      fmt::format("{}: {} lies farther from the base's axis than lamps were seen, {:.0f} mm, and "
+                  "is left out",
+                  file.string(), what, mm(radius)));
+}
+
+/// Returns the sights of a bar in a picture, which may show the base's marks alone.
+std::vector<BarSight> bars_in(const std::vector<Frame>& frames,
+                              const VisionCalibration& uncompensated,
+                              const std::vector<Fiducial>& bar) {
+  try {
+    return see_bars(frames, uncompensated, bar);
+  } catch (const WorkError& error) {
+    spdlog::warn(fmt::format("a picture without the bar: {}", error.what()));
+    return {};
+  }
+}
+
+/// Adds each sight of the bar within the radius. Its length is certified, so that a board's pitch
+/// no longer counts.
+void add_bar(const LampFieldFiles& files, const VisionCalibration& uncompensated, double radius,
+             LaidDots& laid) {
   const std::vector<Fiducial> bar = read_bar(files.bar);
   laid.length = (bar[1].p_W - bar[0].p_W).norm();
-  laid.length_sigma = files.bar_sigma;
+  const double by_height =
+      std::max(bar[0].sigma_z, bar[1].sigma_z) / uncompensated.workplane.X_WC().translation().z();
+  laid.length_sigma = std::hypot(files.bar_sigma, laid.length * by_height);
   for (const auto& frames_of_picture : files.pictures)
-    for (const BarSight& seen : see_bars(frames_of_picture(), uncompensated, bar))
-      laid.lengths.push_back({seen.p_B, seen.sigma});
+    for (const BarSight& seen : bars_in(frames_of_picture(), uncompensated, at_height(bar))) {
+      const auto& [first, second] = seen.p_B;
+      if (std::max(first.norm(), second.norm()) <= radius)
+        laid.lengths.push_back({seen.p_B, seen.sigma});
+      else
+        warn_of_beyond(files.bar, "an end of the bar about " + place_mm(0.5 * (first + second)),
+                       radius);
+    }
+  if (laid.lengths.empty())
+    throw InputError({fmt::format("the bar is seen in none of {} pictures with both ends within "
+                                  "{:.0f} mm of the base's axis, as far as lamps were seen",
+                                  files.pictures.size(), mm(radius)),
+                      "lay it nearer to the base, with both marks uncovered", files.bar});
   laid.pitch_known = false;
 }
 
-/// Adds each mark of the base where the pictures together show it.
-void add_marks(const LampFieldFiles& files, const VisionCalibration& uncompensated,
+/// Returns a mark where its sights together show it. A height that is wrong shifts them all along
+/// the line from the camera's foot.
+MarkSight mark_sight(const Fiducial& mark, const std::vector<FoundFiducial>& sights,
+                     double place_sigma, const Eigen::Vector3d& p_camera_B) {
+  const auto n = static_cast<double>(sights.size());
+  const double from_foot = (mark.p_W - p_camera_B.head<2>()).norm();
+  MarkSight together{mark.p_W,
+                     {0.0, 0.0},
+                     std::hypot(place_sigma, sights.front().sigma / std::sqrt(n),
+                                mark.sigma_z * from_foot / p_camera_B.z() / std::sqrt(2.0))};
+  for (const FoundFiducial& sight : sights) together.seen_B += sight.p_B / n;
+  return together;
+}
+
+/// Adds each mark of the base within the radius where the pictures together show it.
+void add_marks(const LampFieldFiles& files, const VisionCalibration& uncompensated, double radius,
                LaidDots& laid) {
   const std::vector<Fiducial> marks = read_work_drawing(files.marks);
   std::map<std::string, std::vector<FoundFiducial>> sights;
   for (const auto& frames_of_picture : files.pictures)
-    for (FoundFiducial& seen : see_marks(frames_of_picture(), uncompensated, marks))
+    for (FoundFiducial& seen : see_marks(frames_of_picture(), uncompensated, at_height(marks)))
       sights[seen.fiducial.id].push_back(std::move(seen));
-  for (const auto& [id, seen] : sights) {
-    const auto n = static_cast<double>(seen.size());
-    MarkSight mark{seen.front().fiducial.p_W,
-                   {0.0, 0.0},
-                   std::hypot(files.marks_sigma, seen.front().sigma / std::sqrt(n))};
-    for (const FoundFiducial& one : seen) mark.seen_B += one.p_B / n;
-    laid.marks.push_back(mark);
+  for (const Fiducial& mark : marks) {
+    if (sights[mark.id].empty()) continue;
+    const MarkSight seen = mark_sight(mark, sights[mark.id], files.marks_sigma,
+                                      uncompensated.workplane.X_WC().translation());
+    if (seen.seen_B.norm() <= radius)
+      laid.marks.push_back(seen);
+    else
+      warn_of_beyond(files.marks, "mark " + mark.id, radius);
   }
   if (laid.marks.empty())
     throw InputError({fmt::format("none of the {} marks of the base is seen near its place in {} "
-                                  "pictures",
-                                  marks.size(), files.pictures.size()),
+                                  "pictures, within {:.0f} mm of the axis, as far as lamps were "
+                                  "seen",
+                                  marks.size(), files.pictures.size(), mm(radius)),
                       "compare x_mm and y_mm with the base frame, and uncover them", files.marks});
 }
 
 }  // namespace
 
 ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision) {
-  ArmNominal nominal;
-  nominal.geometry = cell.arm.geometry;
-  nominal.joints_per_motor = Transmission(cell.transmission).coupling_matrix().inverse();
-  for (int i = 0; i < 3; ++i)
-    nominal.gear_ratios[i] = cell.transmission.drives[static_cast<std::size_t>(i)].gear_ratio;
+  ArmNominal nominal = arm_of_cell(cell);
   nominal.p_camera_B = vision.workplane.X_WC().translation();
-  nominal.separation = cell.lamps.layout.separation_m;
   nominal.tool = vision.tool;
   set_tracker(nominal, cell);
   if (!vision.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;
@@ -167,6 +221,15 @@ LaidDots laid_dots(const std::vector<LayRow>& rows) {
   return board;
 }
 
+LaidDots laid_things(const LampFieldFiles& files, const VisionCalibration& vision, double radius) {
+  LaidDots laid = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
+  VisionCalibration uncompensated = vision;
+  uncompensated.error_map.reset();
+  if (!files.bar.empty()) add_bar(files, uncompensated, radius, laid);
+  if (!files.marks.empty()) add_marks(files, uncompensated, radius, laid);
+  return laid;
+}
+
 std::vector<MadeFile> LampFieldFiles::inputs() const {
   std::vector<MadeFile> files{{Role::kPairs, pairs}};
   for (const MadeFile& more :
@@ -178,13 +241,9 @@ std::vector<MadeFile> LampFieldFiles::inputs() const {
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
                               const VisionCalibration& vision, const Progress& progress) {
   warn_of_changed_rows(files.pairs);
-  LaidDots laid = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
-  VisionCalibration uncompensated = vision;
-  uncompensated.error_map.reset();
-  if (!files.bar.empty()) add_bar(files, uncompensated, laid);
-  if (!files.marks.empty()) add_marks(files, uncompensated, laid);
-  return fit_lamp_field(nominal_arm(cell, vision), pose_samples(cell, read_pairs(files.pairs)),
-                        laid, progress);
+  const std::vector<PoseSample> samples = pose_samples(cell, read_pairs(files.pairs));
+  return fit_lamp_field(nominal_arm(cell, vision), samples,
+                        laid_things(files, vision, seen_radius(samples)), progress);
 }
 
 void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
@@ -192,7 +251,7 @@ void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
   std::vector<Origin> origins;
   for (const MadeFile& input : files.inputs()) origins.push_back(origin_of(input));
   origins = with_origins_of(std::move(origins), files.pairs);
-  const std::string map = fit.end_point_map ? map_text(*fit.end_point_map, files.pairs, program)
+  const std::string map = fit.end_point_map ? map_text(*fit.end_point_map, origins, program)
                                             : lamp_field_text(fit, origins, program);
   if (!files.arm.empty()) {
     origins.push_back(arm_origin(cell));

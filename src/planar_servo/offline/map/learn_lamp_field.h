@@ -46,6 +46,11 @@ struct LampFieldFiles {
   std::vector<MadeFile> inputs() const;
 };
 
+/// Returns the lays, and the bar and the marks as the pictures show them. Of these two what lies
+/// beyond the radius tells nothing; it is left out, and named in the log. Throws InputError where
+/// nothing of one is left.
+LaidDots laid_things(const LampFieldFiles& files, const VisionCalibration& vision, double radius);
+
 /// Learns the field of a cell whose camera, workplane and tool are `vision`. Throws what reading
 /// the tables and the pictures and fit_lamp_field() throw.
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,

@@ -65,6 +65,25 @@ ErrorPrediction prediction_of(const LampFieldFit& fit, const Eigen::Vector2d& p)
   return {p - found.tip.p, per_axis(found.covariance), found.inside};
 }
 
+/// Has the view draw a map at the end point, for a tool along the x axis where that matters. The
+/// view refers to the map.
+void draw_map(const ErrorMap& map, MapView& view) {
+  view.region = std::visit([](const auto& kind) { return region_of(kind); }, map);
+  const bool turns = depends_on_direction(map);
+  const auto phi = turns ? std::optional<double>(0.0) : std::nullopt;
+  view.predict = [&map, phi](const Eigen::Vector2d& p) { return predict(map, p, phi); };
+  if (turns) view.what_is_drawn = "It is drawn for a tool that points along the x axis.";
+}
+
+/// Has it draw a field at the lamps.
+void draw_field(const LampFieldFit& fit, MapView& view) {
+  view.region = fit.field.region;
+  view.predict = [&fit](const Eigen::Vector2d& p) { return prediction_of(fit, p); };
+  view.what_is_drawn =
+      "The error belongs to where each lamp is seen; it is drawn for the end point of a tool that "
+      "points along the x axis.";
+}
+
 /// Every n-th square of a drawn field along both axes gets an arrow.
 constexpr std::size_t kArrowSpacing = 3;
 
@@ -219,10 +238,11 @@ Verdict map_verdict(const LampFieldFit& fit) {
   add_left_out_pairs(fit.left_out.size(), fit.n_readings + fit.n_unattended, verdict);
   verdict.good = fmt::format(
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, the tracker's "
-      "own noise included, {} % of it within the stated 95 %; the end point is known to {:.4f} mm "
-      "per axis",
-      mm(judged.raw_rms), mm(judged.rms), fixed(100.0 * judged.coverage_95, 1),
-      mm(fit.certainty.end_point));
+      "own noise included, {} % of it within the stated 95 %",
+      mm(judged.raw_rms), mm(judged.rms), fixed(100.0 * judged.coverage_95, 1));
+  if (!fit.end_point_map)
+    verdict.good +=
+        fmt::format("; the end point is known to {:.4f} mm per axis", mm(fit.certainty.end_point));
   return verdict;
 }
 
@@ -233,11 +253,7 @@ MapView view_of(const FitErrorMapReport& report, const ReportList& list) {
   view.places = columns_of(result.at_places.positions);
   view.raw = columns_of(result.at_places.errors);
   view.left = columns_of(result.at_places.residuals);
-  view.region = std::visit([](const auto& map) { return region_of(map); }, result.map);
-  const bool turns = depends_on_direction(result.map);
-  const auto phi = turns ? std::optional<double>(0.0) : std::nullopt;
-  view.predict = [&result, phi](const Eigen::Vector2d& p) { return predict(result.map, p, phi); };
-  if (turns) view.what_is_drawn = "It is drawn for a tool that points along the x axis.";
+  draw_map(result.map, view);
   view.list = list;
   return view;
 }
@@ -253,12 +269,11 @@ MapView view_of(const LampFieldFit& fit, const ReportList& list) {
       view.pulls.push_back(reading.left[axis] / reading.sigma[axis]);
   }
   view.compared = fit.compared;
-  view.region = fit.field.region;
+  if (fit.end_point_map)
+    draw_map(fit.end_point_map->map, view);
+  else
+    draw_field(fit, view);
   if (view.places.empty()) view.places = view.region.hull;
-  view.predict = [&fit](const Eigen::Vector2d& p) { return prediction_of(fit, p); };
-  view.what_is_drawn =
-      "The error belongs to where each lamp is seen; it is drawn for the end point of a tool that "
-      "points along the x axis.";
   view.list = list;
   return view;
 }

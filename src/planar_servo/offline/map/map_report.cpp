@@ -210,14 +210,17 @@ ReportList map_fit_list(const FitErrorMapReport& report,
 ReportList lamp_field_list(const LampFieldFit& fit) {
   ReportList list;
   list_readings(list, fit);
-  list.line("method", "{method}, {harmonics} harmonics of each reducer", kLampFieldMethod,
-            fit.estimate.size.harmonics);
+  if (fit.end_point_map)
+    list.line("method", "{method} at the end point", name(kind_of(fit.end_point_map->map)));
+  else
+    list.line("method", "{method}, {harmonics} harmonics of each reducer", kLampFieldMethod,
+              fit.estimate.size.harmonics);
   list_held_out(list, fit.held_out);
   list.line("noise of a lamp", "{lamp_noise_factor:.2f} times what the pairs state",
             fit.estimate.priors.lamp_factor);
   list.unprinted("noise_mm", fit.noise_sigma);
   list_comparison(list, fit);
-  list_sources(list, fit);
+  if (!fit.end_point_map) list_sources(list, fit);  // which are of the field
   list.row_heads("");
   const std::vector<std::string> sentences = arm_in_words(fit.estimate);
   for (const std::string& sentence : sentences) {
