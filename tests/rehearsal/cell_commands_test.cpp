@@ -46,6 +46,23 @@ TEST_CASE("The arm is put at its marks by a command, where that is possible") {
   CHECK(obey_command("arm marks", live, hands()).rfind("the arm is not put at", 0) == 0);
 }
 
+TEST_CASE("A work is laid elsewhere by a command") {
+  Truth truth = draw_truth(3);
+  LiveCell without(truth, test::sample_hardware());
+  CHECK(obey_command("work 100 200 5", without, hands()).rfind("there is no work", 0) == 0);
+  WorkpieceTruth bar;
+  bar.plate_to_m = {0.05, 0.01};
+  bar.p_BW = {0.3, 0.0, 0.0};
+  truth.works.push_back(bar);
+  const VirtualHardware hardware = test::sample_hardware();
+  LiveCell live(truth, hardware);
+  const cv::Mat before = live.expose({{}, hardware.sensor_px}, 1.0);
+  CHECK(obey_command("work -100 250.5 30", live, hands()) ==
+        "the work lies at (-100.000, 250.500) mm, turned by 30 deg");
+  const cv::Mat after = live.expose({{}, hardware.sensor_px}, 1.0);
+  CHECK(cv::norm(before, after, cv::NORM_INF) > 30.0);
+}
+
 TEST_CASE("The camera's power is switched by commands") {
   LiveCell live(draw_truth(3), test::sample_hardware());
   bool is_on = true;
@@ -59,8 +76,8 @@ TEST_CASE("A command that is not understood is answered with what is allowed") {
   LiveCell live(draw_truth(3), test::sample_hardware());
   for (const char* line :
        {"", "board", "board hold", "board hold x", "board hold -1", "board lay 1.5", "camera",
-        "camera away", "board hold 1 2", "arm", "arm home", "board drop 1", "board remove 1",
-        "bord hold 1", "board hold 99999999999"}) {
+        "camera away", "board hold 1 2", "work", "work 1 2", "work 1 2 x", "work 1 2 nan", "arm",
+        "arm home", "board drop 1", "board remove 1", "bord hold 1", "board hold 99999999999"}) {
     INFO(line);
     const std::string answer = obey_command(line, live, hands());
     CHECK(answer.rfind("not understood: '" + std::string(line) + "'", 0) == 0);

@@ -57,6 +57,8 @@ class VirtualCamera final : public FrameSource {
   /// same exposure number gives the same noise.
   cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
 
+  VirtualWorks& works() { return works_; }
+
  private:
   static constexpr double kUsualTime_s = 0.010;
   /// At 50 mm/s a lamp moves by a quarter of a pixel from one of these to the next.

@@ -160,6 +160,12 @@ cv::Mat VirtualCell::expose(const cv::Rect& region_px, double brightness, std::u
   return impl_->camera.expose(region_px, brightness, exposure);
 }
 
+bool VirtualCell::lay_work(const Eigen::Vector2d& p_B, double turn_rad) {
+  if (impl_->camera.works().empty()) return false;
+  impl_->camera.works().lay_last(p_B, turn_rad);
+  return true;
+}
+
 void VirtualCell::turn_motor(int joint, std::int32_t pulses) {
   impl_->arm.drive(joint).turn_shaft(pulses);
 }

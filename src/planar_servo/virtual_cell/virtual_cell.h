@@ -66,9 +66,12 @@ class VirtualCell {
   Tracker& tracker();
   BoardPresenter& board_presenter();
 
-  // Servers, which show this cell to others as real devices, use these two.
+  // Servers, which show this cell to others as real devices, use these three.
   /// Renders what the camera's sensor sees now; see VirtualCamera::expose().
   cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
+  /// Lays the last work of the truth elsewhere on its height: its origin at a place in the base
+  /// frame. Returns false where there is no work.
+  bool lay_work(const Eigen::Vector2d& p_B, double turn_rad);
   /// Turns a motor to a position from outside, without its drive. Pulses count as its drive's did
   /// at first. Steps must be so small that the motor does not turn back on the way.
   void turn_motor(int joint, std::int32_t pulses);

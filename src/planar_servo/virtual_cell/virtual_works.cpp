@@ -141,6 +141,14 @@ Pose WorkpieceTruth::X_BW(double t_s) const {
 VirtualWorks::VirtualWorks(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px)
     : works_(truth.works), lens_(lens), sensor_px_(sensor_px), blur_px_(truth.camera.blur_px) {}
 
+void VirtualWorks::lay_last(const Eigen::Vector2d& p_B, double turn_rad) {
+  WorkpieceTruth& work = works_.back();
+  work.p_BW.head<2>() = p_B;
+  work.turn_rad = turn_rad;
+  work.slide.reset();
+  rendering_.reset();
+}
+
 std::vector<Light> VirtualWorks::render(
     double t_s, const std::vector<std::vector<Eigen::Vector2d>>& above_px) const {
   if (!rendering_ || t_s - rendering_->t_s > lens_.still_s() || slid_between(rendering_->t_s, t_s))

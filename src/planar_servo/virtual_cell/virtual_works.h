@@ -19,6 +19,9 @@ class VirtualWorks {
 
   bool empty() const { return works_.empty(); }
 
+  /// Moves the last one, which does not slide any more: its origin to a place in the base frame.
+  void lay_last(const Eigen::Vector2d& p_B, double turn_rad);
+
   /// Renders each work before noise, within the sensor, dark within these outlines of what is above
   /// it. One at rest is rendered again once the lens or the air has moved.
   std::vector<Light> render(double t_s,

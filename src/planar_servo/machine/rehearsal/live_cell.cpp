@@ -12,6 +12,7 @@
 #include <optional>
 #include <sstream>
 
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
@@ -62,6 +63,22 @@ std::string handle_board(const Words& words, BoardPresenter& board) {
     return fmt::format("the board is laid, view {}", *view);
   }
   return "";
+}
+
+/// Returns what was done with the work; empty when it was not understood.
+std::string handle_work(const Words& words, VirtualCell& cell) {
+  std::array<double, 3> at{};
+  if (words.size() != 1 + at.size()) return "";
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const std::string& word = words[1 + i];
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), at[i]);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(at[i]))
+      return "";
+  }
+  const Eigen::Vector2d p_B = Eigen::Vector2d(at[0], at[1]) * kMillimetre;
+  return cell.lay_work(p_B, at[2] * kDegree)
+             ? fmt::format("the work lies at {}, turned by {:g} deg", place_mm(p_B), at[2])
+             : "there is no work: add one to the truth by planar-virtual-cell put, and serve again";
 }
 
 /// Returns what was done with the reflector; empty when it was not understood.
@@ -146,6 +163,8 @@ std::string obey_command(const std::string& line, LiveCell& live, const CellHand
   std::string done;
   if (!words.empty() && words[0] == "board")
     done = live.now([&](VirtualCell& cell) { return handle_board(words, cell.board_presenter()); });
+  if (!words.empty() && words[0] == "work")
+    done = live.now([&](VirtualCell& cell) { return handle_work(words, cell); });
   if (!words.empty() && words[0] == "reflector") done = handle_reflector(words, live);
   if (!words.empty() && words[0] == "camera") done = handle_camera(words, hands);
   if (words == Words{"arm", "marks"})

@@ -89,7 +89,8 @@ class TruthLog {
 /// The commands that obey_command() knows, for --help.
 constexpr char kCellCommands[] =
     "'board hold N', 'board lay N' and 'board remove', N from 0; 'reflector tool' and 'reflector "
-    "MONUMENT'; 'camera off' and 'camera on'; 'arm marks' where drives have no home switches";
+    "MONUMENT'; 'work X_MM Y_MM TURN_DEG' where the truth has one; 'camera off' and 'camera on'; "
+    "'arm marks' where drives have no home switches";
 
 /// What is done by hand to devices that are not the cell's own.
 struct CellHands {
@@ -102,7 +103,8 @@ struct CellHands {
 /// Does what a person at the cell would do by hand, as one line says: 'board hold N' holds the
 /// calibration board tilted into the camera's view and 'board lay N' lays it on the plane of
 /// motion, N from 0 (see BoardPresenter); 'board remove' takes it away; 'reflector tool' and
-/// 'reflector MONUMENT' place the tracker's reflector; 'camera off', 'camera on' and 'arm marks'
+/// 'reflector MONUMENT' place the tracker's reflector; 'work X_MM Y_MM TURN_DEG' lays the last work
+/// of the truth, such as a bar, with its origin there; 'camera off', 'camera on' and 'arm marks'
 /// are left to `hands`. Returns what was done in one line, or beginning with "not understood" what
 /// is allowed instead.
 std::string obey_command(const std::string& line, LiveCell& cell, const CellHands& hands);
