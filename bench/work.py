@@ -70,6 +70,8 @@ def calibrated(bin, cell, like, seed, lays):
     run(bin / "planar-experiment", "-q", "--cell", cell / "cell.yaml", "--out", cell / "made", *laid)
     for path in (cell / "made/ours").glob("*.yaml"):
         (cell / path.name).write_bytes(path.read_bytes())
+    with open(cell / "cell.yaml", "a") as text:
+        text.write("arm_found: arm.yaml\n")
 
 
 def put(bin, cell, bare, drawing, at):
@@ -106,15 +108,17 @@ def marks_and_works(bin, cell, bare, rng, figures, n):
                    "--drawing-sigma-mm", 0, "--report", "none")
         if made.returncode != 0:
             figures.add("works not found", 1.0)
+            print(f"{cell.name}, work at {at}: {made.stderr.strip()}")
             continue
         targets = [(rng.uniform(10, 140), rng.uniform(10, 90)) for _ in range(4)]
         (cell / "t.csv").write_text("id,x_mm,y_mm\n" + "".join(f"T{k},{x},{y}\n" for k, (x, y) in enumerate(targets)))
         out = cell / f"run{i}"
-        run(bin / "planar-servo", "-q", "--no-health", "--cell", cell / "cell.yaml", "--work", found, "--targets",
+        run(bin / "planar-servo", "-q", "--cell", cell / "cell.yaml", "--work", found, "--targets",
             cell / "t.csv", "--out", out)
         for row in rows(out / "results.csv"):
             if not row["after_truth_dx_mm"]:
                 figures.add("targets without an end", 1.0)
+                print(f"{cell.name}, target at {row['x_mm']}, {row['y_mm']}: {row['status']}")
                 continue
             dx, dy = turned(targets[int(row["target"][1:])], at[2])
             off = (float(row["x_mm"]) + float(row["after_truth_dx_mm"]) - at[0] - dx,
@@ -136,7 +140,7 @@ def tools(bin, cell, bare, rng, figures, n):
     (cell / "p.csv").write_text("id,x_mm,y_mm,phi_deg\n" +
                                 "".join(f"T{k},{x},{y},{phi}\n" for k, (x, y, phi) in enumerate(places)))
     out = cell / "taught"
-    run(bin / "planar-servo", "-q", "--no-health", "--cell", cell / "cell.yaml", "--targets", cell / "p.csv", "--out", out)
+    run(bin / "planar-servo", "-q", "--cell", cell / "cell.yaml", "--targets", cell / "p.csv", "--out", out)
     steps = {row["target"]: row for row in rows(out / "steps.csv")}
     taught = "id,x_mm,y_mm,phi_deg\n"
     for row in rows(out / "results.csv"):
@@ -160,7 +164,7 @@ def tools(bin, cell, bare, rng, figures, n):
     (cell / "t.csv").write_text("id,x_mm,y_mm,phi_deg\n" +
                                 "".join(f"T{k},{x},{y},{phi}\n" for k, (x, y, phi) in enumerate(targets)))
     out = cell / "tooled"
-    run(bin / "planar-servo", "-q", "--no-health", "--cell", cell / "tools.yaml", "--tool", "needle", "--targets",
+    run(bin / "planar-servo", "-q", "--cell", cell / "tools.yaml", "--tool", "needle", "--targets",
         cell / "t.csv", "--out", out)
     steps = {row["target"]: row for row in rows(out / "steps.csv")}
     for row in rows(out / "results.csv"):
@@ -177,7 +181,7 @@ def tools(bin, cell, bare, rng, figures, n):
 
 def homings(bin, cell, bare, rng, figures, starts):
     text = (cell / "cell.yaml").read_text().replace("direction: 1,", "direction: 1, home: {reference: sight},")
-    (cell / "sight.yaml").write_text(text + "arm_found: arm.yaml\n")
+    (cell / "sight.yaml").write_text(text)
     (cell / "one.csv").write_text("id,x_mm,y_mm\nA,200,100\n")
     for i in range(starts):
         bend = rng.choice((-1, 1)) * rng.uniform(25, 150)

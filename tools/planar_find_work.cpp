@@ -97,9 +97,9 @@ WorkSettings settings_of(const Options& options) {
   return settings;
 }
 
-std::optional<CameraExposure> exposure_of(const Options& options) {
+std::optional<double> exposure_of(const Options& options) {
   if (options.exposure_ms == 0.0) return std::nullopt;
-  return CameraExposure{options.exposure_ms * kMillisecond, 0.0};
+  return options.exposure_ms * kMillisecond;
 }
 
 std::vector<Frame> new_frames(const Options& options, const CellSettings& cell) {

@@ -115,10 +115,13 @@ TaughtTip taught_by(const Options& options, const CellSettings& cell) {
   disc.size = options.size_mm * kMillimetre;
   disc.z = options.height_mm * kMillimetre;
   disc.sigma_z = options.height_sigma_mm * kMillimetre;
-  const VisionCalibration vision = read_vision(cell, fs::exists(cell.error_map));
+  const bool has_map = fs::exists(cell.error_map);
+  require_belonging(stale_files(cell, has_map));
+  const VisionCalibration vision = read_vision(cell, has_map);
   const SeenTip seen = see_tip(saved_frames(options.images, cell), poses, vision, disc);
   TaughtTip taught = teach_tip(seen.poses, seen.sigma);
   require_height(taught, seen, vision, poses);
+  add_height_doubt(taught, vision, disc);
   return taught;
 }
 
@@ -146,6 +149,7 @@ Outcome teach(const Options& options, const CellSettings& cell) {
 Outcome check(const Options& options, const CellSettings& cell) {
   constexpr double kSigmas = 3.0;
   const TaughtTip taught = read_tool_tip(options.check);
+  require_made_with({Role::kToolTip, options.check}, tool_tip_origins(cell), false);
   bool is_there = true;
   ReportList list;
   std::vector<std::pair<std::string, TipMiss>> misses;

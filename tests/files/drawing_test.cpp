@@ -169,6 +169,19 @@ TEST_CASE("Lines that meet are one stroke, whichever way they were drawn") {
   CHECK(drawing.remarks.empty());
 }
 
+TEST_CASE("Lines that meet are one stroke, in whatever order they were drawn") {
+  const DxfFile file;
+  const Drawing drawing =
+      file.read(dxf(line_entity(310, 0, 320, 0) + line_entity(300, 0, 310, 0) +
+                    line_entity(320, 0, 320, 10) + line_entity(300, 0, 300, 5)));
+  REQUIRE(drawing.strokes.size() == 1);
+  CHECK(drawing.remarks.empty());
+  const Path path = path_of(drawing, 0.0, "");
+  CHECK(path.length_m() == Approx(35.0 * kMillimetre));
+  CHECK(is_at(path.at(0.0).pose.p, 300.0, 5.0));
+  CHECK(is_at(end_of(path), 320.0, 10.0));
+}
+
 TEST_CASE("Parts that do not meet are joined by straight ways, which is said") {
   const DxfFile file;
   const Drawing drawing = file.read(dxf(line_entity(300, 0, 310, 0) + line_entity(400, 0, 390, 0) +
@@ -249,6 +262,18 @@ TEST_CASE("The corners of an old polyline are entities of their own") {
       "10\n320\n20\n0\n0\nSEQEND\n" +
       line_entity(320, 0, 330, 0)));
   CHECK(path_of(drawing, 0.0, "").length_m() == Approx((10.0 * kPi + 10.0) * kMillimetre));
+}
+
+TEST_CASE("Of a splined polyline only the curve is gone, and a mesh is none") {
+  const DxfFile file;
+  const auto polyline = [](int flags) {
+    return dxf(fmt::format(
+        "0\nPOLYLINE\n8\n0\n66\n1\n70\n{}\n0\nVERTEX\n8\n0\n10\n300\n20\n90\n70\n16\n0\nVERTEX\n"
+        "8\n0\n10\n300\n20\n0\n70\n8\n0\nVERTEX\n8\n0\n10\n320\n20\n0\n70\n8\n0\nSEQEND\n",
+        flags));
+  };
+  CHECK(path_of(file.read(polyline(4)), 0.0, "").length_m() == Approx(20.0 * kMillimetre));
+  CHECK_THROWS_WITH(file.read(polyline(64)), Contains("a POLYLINE is a mesh"));
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ grep -q "Over 8 places" lengths/scale_bar.html || fail "the page does not say ho
 python3 -c '
 import json
 told = json.load(open("lengths.json"))
-assert told["places"] == 8 and told["largest_error_mm"] < 0.2, told' || fail "$(cat lengths.json)"
+assert told["places"] == 8 and told["largest_error_mm"] < 0.2, told
+assert abs(told["lengths"][0]["middle_mm"][0] - 250) < 1, told' || fail "$(cat lengths.json)"
 
 sed 's/300,0/299,0/' bar.csv >short.csv
 status=0

@@ -94,6 +94,9 @@ status=0
 [ $status -eq 1 ] || fail "a work that slid ended the run with $status"
 grep -q "has moved since it was found" doubted/report.html || fail "the report does not say that the work moved"
 grep -q "doubted" doubted/results.csv || fail "no target is doubted: $(cat doubted/results.csv)"
+status=0
+"${servo[@]}" --work slid.yaml --path part.nc --out slid_path >out.txt 2>err.txt || status=$?
+[ $status -eq 1 ] && grep -q "has moved since it was found" out.txt err.txt || fail "a path on it ended with $status: $(cat out.txt err.txt)"
 
 # What is wrong is named, and no file is written.
 put 200,150,12
@@ -107,6 +110,8 @@ variant '$a F5,50,30,dark_disc,4,-10,0.05'
 expect 1 "F5 is not seen" "${made[@]}" --drawing other.csv
 variant 's/,95,/,120,/'
 expect 1 "found nowhere|not seen|do not fit" "${made[@]}" --drawing other.csv
+"${find_work[@]}" --drawing work.csv --no-error-map -o bare.yaml >/dev/null 2>&1
+expect 2 "was found without the error map" "${servo[@]}" --work bare.yaml --targets targets.csv --out made
 variant 's/bright_disc/blob/; s/F2/F1/'
 expect 2 "other.csv:2.*no kind of mark" "${made[@]}" --drawing other.csv
 expect 1 "near the given place" "${made[@]}" --drawing work.csv --near -200,150

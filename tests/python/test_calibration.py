@@ -1,11 +1,13 @@
 """Claims about pair_tracker and fit_lamp_field: they do what the programs do with the same recording."""
 
 import re
+import shutil
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import planar_servo as ps
@@ -129,6 +131,26 @@ class LampFields(Recorded):
         trained = np.isin(table["plan"], ("train", "sweep1", "sweep3")) & np.isfinite(table["x_tracker_mm"])
         self.assertEqual(fit.n_readings + len(fit.left_out), trained.sum())
         self.assertGreater(fit.landing_sigma, 0)
+
+    def test_with_a_bar_are_those_of_the_program(self):
+        folder = self.folder / "cell"
+        shutil.copytree(self.cell, folder)
+        cell, pairs, truth = folder / "cell.yaml", folder / "pairs.csv", folder / "truth.yaml"
+        bare = truth.read_text()
+        bar, seen, theirs = self.folder / "bar.csv", self.folder / "bar", self.folder / "theirs.yaml"
+        bar.write_text("id,x_mm,y_mm,kind,size_mm\nA,0,0,bright_disc,5\nB,300,0,bright_disc,5\n")
+        for at in ("100,150,0", "-400,150,0", "-150,-250,85"):
+            truth.write_text(bare)
+            for command in (["virtual-cell", "put", "--drawing", bar, "--at", at],
+                            ["record", "--bar", bar, "--bar-places", "3", "--out", seen]):
+                subprocess.run([f"{BIN}/planar-{command[0]}", *command[1:], "--cell", cell], check=True,
+                               capture_output=True, stdin=subprocess.DEVNULL)
+        files = sorted(seen.glob("*.png"))
+        subprocess.run([BIN / "planar-fit-error-map", "--cell", cell, "--bar", bar, "--image", *files, "-o", theirs, pairs],
+                       check=True, capture_output=True)
+        pictures = [np.round(255 * plt.imread(file)).astype(np.uint8) for file in files]
+        ps.fit_lamp_field(cell, pairs, bar=bar, pictures=pictures, map=self.folder / "map.yaml")
+        made_alike(self, self.folder / "map.yaml", theirs)
 
     def test_refuse_wrong_inputs_and_outputs_before_any_work(self):
         cell, pairs = self.cell / "cell.yaml", self.cell / "pairs.csv"

@@ -99,6 +99,27 @@ TEST_CASE("Every work of a panel is found") {
   CHECK(match_constellation(marks, candidates, {}).size() == 6);
 }
 
+TEST_CASE("A work of a panel that shows not all of its marks is named, unless another is meant") {
+  const auto marks = drawing(kFour);
+  auto candidates = seen(marks, kPlace);
+  auto others = seen(marks, {{-0.3, -0.2}, 0.3});
+  others.erase(others.begin() + 1);
+  candidates.insert(candidates.end(), others.begin(), others.end());
+  CHECK_THROWS_WITH(match_constellation(marks, candidates, {}),
+                    Contains("F3 is not seen") && Contains("--near"));
+  CHECK(match_constellation(marks, candidates, WorkPlace{kPlace, true, 0.02}).size() == 1);
+}
+
+TEST_CASE("A neighbour is no double of a mark, and each is looked for at its own height") {
+  auto marks = drawing({{0, 0}, {3, 0}, {280, 0}, {280, 180}});
+  auto candidates = seen(marks, kPlace);
+  CHECK(match_constellation(marks, candidates, {}).size() == 1);
+  marks[3].z = 0.03;
+  CHECK_THROWS_WITH(match_constellation(marks, candidates, {}), Contains("F4 is not seen"));
+  candidates[0].z = 0.03;  // the last mark's
+  CHECK(match_constellation(marks, candidates, {}).size() == 1);
+}
+
 TEST_CASE("A tag stands only where its number is") {
   auto marks = drawing(kFour);
   for (Fiducial& mark : marks) mark.kind = FiducialKind::kAprilTag;

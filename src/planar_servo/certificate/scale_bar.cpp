@@ -62,11 +62,10 @@ ReportList scale_bar_list(const ScaleBarResult& result) {
             "up to {largest_error_mm:.4f} mm, {within_95} within their stated 95 %",
             result.largest(), result.within_95());
   list.rows("lengths", result.lengths, [](ReportList& row, const LengthError& length) {
-    row.unprinted("middle_mm",
-                  std::vector<double>{mm(length.middle_B.x()), mm(length.middle_B.y())});
-    row.unprinted("turn_deg", length.turn);
-    row.unprinted("error_mm", length.error);
-    row.unprinted("sigma_mm", length.sigma);
+    row.line("place mm", "{middle_mm:.1f}", length.middle_B);
+    row.line("turn deg", "{turn_deg:.1f}", length.turn);
+    row.line("error mm", "{error_mm:.4f}", length.error);
+    row.line("stated deviation mm", "{sigma_mm:.4f}", length.sigma);
   });
   return list;
 }
@@ -89,11 +88,7 @@ std::string scale_bar_page(const ScaleBarResult& result, const std::filesystem::
          "measure the bar's height (z_mm), compare its certificate and temperature, or calibrate "
          "anew"});
   page.add_verdict(verdict);
-  TextTable table("Length errors", {"place mm", "turn deg", "error mm", "stated deviation mm"});
-  for (const LengthError& length : result.lengths)
-    table.add_row({fixed(length.middle_B / kMillimetre, 1, ", "), fixed(length.turn / kDegree, 1),
-                   fixed(mm(length.error), 4), fixed(mm(length.sigma), 4)});
-  page.add_html(table.html());
+  page.add_html(scale_bar_list(result).table("Length errors", "lengths").html());
   page.add_paragraph(
       "The bar was not used for the calibration. Its lengths say how well vision measures between "
       "two places; that the arm goes where vision sees is judged by moves.");

@@ -109,10 +109,10 @@ void list_fields(Fields& fields, FoundWork& work) {
               [&](FoundFiducial& found) { list_fields(fields, found); });
 }
 
-void list_exposure(Fields& fields, std::optional<CameraExposure>& exposure) {
-  if (!fields.given("exposure_ms", exposure.has_value())) return;
-  if (fields.reading()) exposure.emplace();
-  fields.number("exposure_ms", exposure->time_s, kMillisecond, Range::positive());
+void list_exposure(Fields& fields, std::optional<double>& exposure_s) {
+  if (!fields.given("exposure_ms", exposure_s.has_value())) return;
+  if (fields.reading()) exposure_s.emplace();
+  fields.number("exposure_ms", *exposure_s, kMillisecond, Range::positive());
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ std::string work_text(const LaidWorks& laid, const std::vector<Origin>& origins,
   YamlWriter yaml("work", program);
   yaml.add_inputs(input_records(origins));
   LaidWorks written = laid;
-  list_exposure(yaml, written.exposure);
+  list_exposure(yaml, written.exposure_s);
   yaml.maps("works", written.works, [&](FoundWork& work) {
     yaml.add("turn_deg", work.pose.turn() / kDegree);
     yaml.add("scale", work.pose.scale());
@@ -148,7 +148,7 @@ std::string work_text(const LaidWorks& laid, const std::vector<Origin>& origins,
 LaidWorks read_works(const fs::path& path) {
   YamlReader reader(path, "work");
   LaidWorks laid{path, {}, {}};
-  list_exposure(reader, laid.exposure);
+  list_exposure(reader, laid.exposure_s);
   reader.maps("works", laid.works, [&](FoundWork& work) {
     double for_people = 0.0;  // the matrix says both
     reader.number("turn_deg", for_people);
@@ -174,6 +174,14 @@ std::shared_ptr<const LaidWorks> read_works(const fs::path& path, const Calibrat
       {Role::kWork, path},
       origins_in(cell.settings, calibration_files(cell.settings, uses_error_map(cell))),
       accepts_stale);
+  const std::vector<Origin> origins = read_origins(path);
+  const bool had_map = std::any_of(origins.begin(), origins.end(), [](const Origin& origin) {
+    return origin.role == Role::kErrorMap;
+  });
+  if (had_map != uses_error_map(cell) && !accepts_stale)
+    throw InputError({had_map ? "was found with the error map, which is not used now"
+                              : "was found without the error map, which is used now",
+                      "find it again as it is to be used", path});
   return works;
 }
 
@@ -194,6 +202,9 @@ std::vector<TargetRow> on_works(const std::vector<TargetRow>& drawn,
 Path on_work(const Path& drawn, const WorkPose& work) {
   std::vector<Waypoint> waypoints = drawn.waypoints();
   for (Waypoint& waypoint : waypoints) {
+    if (waypoint.via && work.map == WorkMap::kAffine)
+      throw InputError(Refusal{"an arc is none on a work that is stretched to one side",
+                               "draw it by short lines, or find the work with --map similarity"});
     waypoint.pose = {work.in_base(waypoint.pose.p), waypoint.pose.phi + work.turn()};
     if (waypoint.via) waypoint.via = work.in_base(*waypoint.via);
   }

@@ -33,7 +33,7 @@ struct Hypothesis {
 };
 
 bool fits(const Fiducial& mark, const MarkCandidate& candidate) {
-  if (candidate.kind != mark.kind) return false;
+  if (candidate.kind != mark.kind || candidate.z != mark.z) return false;
   if (mark.kind == FiducialKind::kAprilTag && tag_number(mark.id) != candidate.sight.tag)
     return false;
   return mark.kind == FiducialKind::kChessCorner ||
@@ -62,11 +62,17 @@ class Matcher {
 
   std::size_t candidates_of(std::size_t mark) const { return fitting_[mark].size(); }
 
-  /// Returns the candidates of a mark within the capture of where a hypothesis has it.
+  /// Returns the candidates of a mark, and of no other, within the capture of where a hypothesis
+  /// has it.
   std::vector<std::size_t> near(const Hypothesis& h, std::size_t mark) const {
     std::vector<std::size_t> found;
-    for (const std::size_t k : fitting_[mark])
-      if ((candidates_[k].p_B - h.at(drawing_[mark].p_W)).norm() < capture_m()) found.push_back(k);
+    for (const std::size_t k : fitting_[mark]) {
+      const bool is_others =
+          h.candidates[mark] != k &&
+          std::find(h.candidates.begin(), h.candidates.end(), k) != h.candidates.end();
+      const double distance = (candidates_[k].p_B - h.at(drawing_[mark].p_W)).norm();
+      if (!is_others && distance < capture_m()) found.push_back(k);
+    }
     return found;
   }
 
@@ -197,7 +203,24 @@ std::string counts_text(const std::vector<Fiducial>& drawing,
                       drawing[i].id, best.found, place_mm(best.at(drawing[i].p_W)));
   throw WorkError({text,
                    "uncover it and clean it, or leave its row out of the drawing if it is not "
-                   "there; a drawing of another work may fit by chance"});
+                   "there; a drawing of another work may fit by chance; where several works lie, "
+                   "--near picks one"});
+}
+
+/// Refuses a further place of the drawing that lacks a mark: several works, of which one is hidden
+/// in part, are not one.
+void refuse_incomplete(const std::vector<Fiducial>& drawing,
+                       const std::vector<MarkCandidate>& candidates,
+                       const std::vector<Hypothesis>& complete) {
+  std::vector<MarkCandidate> left;
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    if (std::none_of(complete.begin(), complete.end(), [k](const Hypothesis& h) {
+          return std::find(h.candidates.begin(), h.candidates.end(), k) != h.candidates.end();
+        }))
+      left.push_back(candidates[k]);
+  const std::optional<WorkPlace> anywhere;
+  const std::vector<Hypothesis> others = Matcher(drawing, left, anywhere).best(false);
+  if (!others.empty() && others.front().found > 2) refuse_missing(drawing, others.front());
 }
 
 void refuse_doubled(const Matcher& matcher, const std::vector<Fiducial>& drawing,
@@ -251,6 +274,7 @@ std::vector<Constellation> match_constellation(const std::vector<Fiducial>& draw
     constellation.candidates = h.candidates;
     places.push_back(std::move(constellation));
   }
+  if (!place) refuse_incomplete(drawing, candidates, found);
   return places;
 }
 

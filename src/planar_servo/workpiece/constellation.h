@@ -18,6 +18,7 @@ struct MarkCandidate {
   FiducialKind kind{FiducialKind::kBrightDisc};
   double size{0.0};  ///< as Fiducial::size, metres
   Eigen::Vector2d p_B{0.0, 0.0};
+  double z{0.0};  ///< the height at which it would be there, over the lamps' plane
 };
 
 /// A place of the drawing on which its marks and candidates agree: for each mark its candidate.
@@ -35,8 +36,9 @@ struct WorkPlace {
 
 /// Returns every place of the drawing where each of its marks has a candidate of its kind and size,
 /// the same candidate being taken once. Distances may differ from the drawing's by a shrunk print.
-/// Throws WorkError naming the marks that are missing or doubled, a drawing that fits only
-/// mirrored, or what else is known of one that fits nowhere.
+/// Throws WorkError naming the marks that are missing or doubled, also of a further work where no
+/// place is given, a drawing that fits only mirrored, or what else is known of one that fits
+/// nowhere.
 std::vector<Constellation> match_constellation(const std::vector<Fiducial>& drawing,
                                                const std::vector<MarkCandidate>& candidates,
                                                const std::optional<WorkPlace>& place);

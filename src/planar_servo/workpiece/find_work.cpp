@@ -21,6 +21,7 @@ namespace planar {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
+using MarkForm = std::tuple<FiducialKind, double, double>;  ///< kind, size and height
 
 /// What the field says of the lens where the lamps' plane is seen at some places.
 struct LensError {
@@ -155,24 +156,33 @@ double px_per_m(const Workplane& plane, const Eigen::Vector2d& p) {
   return std::sqrt(std::abs(slope(0, 0) * slope(1, 1) - slope(0, 1) * slope(1, 0)));
 }
 
+/// Returns whether a candidate of this kind and height is known at this place: discs of two sizes
+/// may both be looked for there.
+bool is_among(const std::vector<MarkCandidate>& candidates, const MarkCandidate& candidate) {
+  return std::any_of(candidates.begin(), candidates.end(), [&](const MarkCandidate& other) {
+    return other.kind == candidate.kind && other.z == candidate.z &&
+           (other.p_B - candidate.p_B).norm() < 0.25 * candidate.size;
+  });
+}
+
 /// Finds what looks like one of the drawing's marks, everywhere in a picture.
 std::vector<MarkCandidate> candidates_in(const Picture& picture, const VisionCalibration& vision,
                                          const std::vector<Fiducial>& drawing) {
-  std::map<std::pair<FiducialKind, double>, double> forms;  // and their heights
-  for (const Fiducial& mark : drawing) forms[{mark.kind, mark.size}] = mark.z;
+  std::set<MarkForm> forms;
+  for (const Fiducial& mark : drawing) forms.emplace(mark.kind, mark.size, mark.z);
   std::vector<MarkCandidate> candidates;
-  for (const auto& [form, z] : forms) {
+  for (const auto& [kind, size, z] : forms) {
     const Workplane plane = plane_at(vision.workplane, z);
     const Eigen::Vector2d middle_px(0.5 * picture.image.cols, 0.5 * picture.image.rows);
     const auto middle = plane.plane_from_pixel(middle_px);
     const double scale = middle ? px_per_m(plane, *middle) : 0.0;
     if (scale == 0.0) refuse_outside(drawing.front());
-    for (const FiducialSight& sight :
-         find_fiducials(picture.image, form.first, form.second * scale)) {
+    for (const FiducialSight& sight : find_fiducials(picture.image, kind, size * scale)) {
       const auto p_B = plane.plane_from_pixel(picture.motion.then(sight.uv_px));
       if (!p_B) continue;
       const double here = px_per_m(plane, *p_B);
-      if (here > 0.0) candidates.push_back({sight, form.first, sight.size_px / here, *p_B});
+      const MarkCandidate candidate{sight, kind, sight.size_px / here, *p_B, z};
+      if (here > 0.0 && !is_among(candidates, candidate)) candidates.push_back(candidate);
     }
   }
   return candidates;
@@ -201,11 +211,14 @@ MeasuredMarks measure_marks(const Constellation& constellation,
     take_off_eccentricity(vision, drawing[i], means.back());
   }
   take_scatter(drawing, means);
+  // What uneven light and rims shift a centre by, which the rim's own noise does not show: the
+  // least of doc/lamps.md.
+  constexpr double kLight_px = 0.01;
   Points uv_px;
   std::vector<Eigen::Matrix2d> own_px2;
   for (const MeanFiducial& mean : means) {
     uv_px.push_back(mean.uv_px);
-    own_px2.push_back(mean.covariance_px2);
+    own_px2.emplace_back(mean.covariance_px2 + kLight_px * kLight_px * Eigen::Matrix2d::Identity());
   }
   return {means, marks_on_plane(vision, drawing, uv_px, own_px2)};
 }
@@ -463,11 +476,10 @@ std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
                                      const VisionCalibration& vision,
                                      const std::vector<Fiducial>& marks_B) {
   constexpr double kNear = 5e-3;  // metres; what a base frame by cell file and poses is off
-  using Form = std::tuple<FiducialKind, double, double>;
-  std::map<Form, std::vector<FoundFiducial>> alike;
+  std::map<MarkForm, std::vector<FoundFiducial>> alike;
   std::vector<FoundFiducial> found;
   for (const Fiducial& mark : marks_B) {
-    const auto [seen, is_new] = alike.try_emplace(Form{mark.kind, mark.size, mark.z});
+    const auto [seen, is_new] = alike.try_emplace(MarkForm{mark.kind, mark.size, mark.z});
     if (is_new) seen->second = see_like(frames, vision, mark);
     std::vector<FoundFiducial> near;
     for (const FoundFiducial& one : seen->second)

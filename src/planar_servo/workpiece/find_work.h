@@ -47,7 +47,7 @@ struct FoundWork {
 /// Workpieces of one drawing, as their file has them.
 struct LaidWorks {
   std::filesystem::path file;
-  std::optional<CameraExposure> exposure;  ///< with which their marks are seen
+  std::optional<double> exposure_s;  ///< with which their marks are seen
   std::vector<FoundWork> works;
 };
 

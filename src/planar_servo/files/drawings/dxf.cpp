@@ -164,16 +164,20 @@ class DxfPieces {
   }
 
   void begin_polyline(const Entity& entity) {
-    constexpr int kFlags = 70, kClosed = 1;
+    constexpr int kClosed = 1, kMeshes = 16 + 64;
+    const int flags = whole(number_of(entity, kFlags));
+    if ((flags & kMeshes) != 0) refuse(entity, "a POLYLINE is a mesh", "draw it by lines");
     polyline_.emplace();
     bulge_ = 0.0;
-    is_closed_ = (whole(number_of(entity, kFlags)) & kClosed) != 0;
+    is_closed_ = (flags & kClosed) != 0;
   }
 
   /// Takes a corner of a POLYLINE, or its end.
   void add_corner(const Entity& entity) {
     if (!polyline_) return;
     if (entity.kind == "SEQEND") return end_polyline();
+    constexpr int kFrameOfSpline = 16;  // control points; the curve's own points follow
+    if ((whole(number_of(entity, kFlags)) & kFrameOfSpline) != 0) return;
     join(place(entity, 10));
     bulge_ = number_of(entity, kBulge).value_or(0.0);
   }
@@ -245,7 +249,7 @@ class DxfPieces {
     return {needed(entity, code), needed(entity, code + 10)};
   }
 
-  static constexpr int kBulge = 42;
+  static constexpr int kBulge = 42, kFlags = 70;
 
   std::string file_;
   std::set<std::string> layers_;
@@ -259,6 +263,22 @@ Stroke reversed(const Stroke& stroke) {
   for (std::size_t i = 0; i < back.size(); ++i)
     back[i].via = i == 0 ? std::nullopt : stroke[stroke.size() - i].via;
   return back;
+}
+
+/// Puts a piece that meets the stroke's beginning before it. Returns whether there was one.
+bool grows_backwards(Stroke& stroke, std::vector<Stroke>& pieces) {
+  const auto meets = [&](const Eigen::Vector2d& p) {
+    return (p - stroke.front().p).norm() < kMeet_m;
+  };
+  const auto before = std::find_if(pieces.begin(), pieces.end(), [&](const Stroke& piece) {
+    return meets(piece.back().p) || meets(piece.front().p);
+  });
+  if (before == pieces.end()) return false;
+  Stroke piece = meets(before->back().p) ? std::move(*before) : reversed(*before);
+  pieces.erase(before);
+  piece.insert(piece.end(), stroke.begin() + 1, stroke.end());
+  stroke = std::move(piece);
+  return true;
 }
 
 /// Orders pieces so that each begins as near as possible to where the one before it ends, and joins
@@ -278,9 +298,11 @@ std::vector<Stroke> joined(std::vector<Stroke> pieces) {
         next = piece;
         is_turned = turned;
       }
+    const bool meets = least < kMeet_m;
+    if (!meets && !strokes.empty() && grows_backwards(strokes.back(), pieces)) continue;
     Stroke piece = is_turned ? reversed(*next) : std::move(*next);
     pieces.erase(next);
-    if (least < kMeet_m)
+    if (meets)
       strokes.back().insert(strokes.back().end(), piece.begin() + 1, piece.end());
     else
       strokes.push_back(std::move(piece));

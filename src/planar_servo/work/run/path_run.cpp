@@ -140,6 +140,9 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
       truth_(devices.truth()),
       keep_going_(request.accepted.doubts),
       cell_(request, able_to_follow(devices, request.cell->settings)),
+      works_(request.works ? std::make_optional<WorkWatch>(*request.works, *request.cell->vision,
+                                                           devices.camera(), devices.clock())
+                           : std::nullopt),
       follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
                 cell_.sensor(), devices.clock(),
                 {1.0 / cell_.settings().camera.frame_rate_hz, devices.camera().exposure().time_s}),
@@ -158,6 +161,8 @@ PathRun::~PathRun() {
 const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   if (const auto unwell = cell_.examine_if_due(); unwell && !unwell->empty())
     throw WorkError(*unwell);
+  if (results_.empty())
+    if (const std::string moved = work_finding(); !moved.empty()) throw WorkError(moved);
   const std::size_t first = looks_.size();
   const PathTiming timing(path_.path, speed_m_s);
   const PathResult outcome = follow_timed(timing, speed_m_s, guidance);
@@ -167,10 +172,16 @@ const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   result.status = outcome.status;
   result.reason = outcome.reason;
   result.seconds = outcome.duration_s;
+  if (result.status == ServoStatus::kReached)
+    if (const std::string moved = work_finding(); !moved.empty()) {
+      result.status = ServoStatus::kDoubted;
+      result.reason = moved;
+    }
   results_.push_back(result);
   result_table_.append(path_result_line(result));
-  if (outcome.cell_in_doubt && !keep_going_)
-    ended_by_ = fmt::format("{}: {}", name(outcome.status), outcome.reason);
+  const bool in_doubt = outcome.cell_in_doubt || result.status == ServoStatus::kDoubted;
+  if (in_doubt && !keep_going_)
+    ended_by_ = fmt::format("{}: {}", name(result.status), result.reason);
   return results_.back();
 }
 

@@ -11,6 +11,7 @@
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/servo/path/path_follower.h"
 #include "planar_servo/work/run/ready_cell.h"
+#include "planar_servo/work/workpiece/work_watch.h"
 #include "planar_servo/work/run/run_files.h"
 
 namespace planar {
@@ -64,6 +65,8 @@ class PathRun {
 
  private:
   PathResult follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance);
+  /// Returns what is wrong with the work on which the path lies; empty where nothing is.
+  std::string work_finding() { return works_ ? works_->examine() : ""; }
   /// Brings the end point to the path's beginning. Returns why it is not there, if it is not.
   std::optional<PathResult> go_to_beginning(const PathDemand& demand, Guidance guidance);
   /// Measures the play, which is compensated from now on. Returns why the arm is not back at the
@@ -77,6 +80,7 @@ class PathRun {
   std::optional<std::string> ended_by_;
   std::optional<Eigen::Vector3d> play_rad_;  ///< once it was measured
   ReadyCell cell_;
+  std::optional<WorkWatch> works_;  ///< none where the path lies on no work
   PathFollower follower_;
   RunFolder folder_;
   FolderLock lock_;

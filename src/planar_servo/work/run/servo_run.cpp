@@ -188,7 +188,12 @@ std::optional<std::string> ServoRun::finding(bool at_end) {
   if ((unwell && !unwell->empty()) || !works_) return unwell;
   if (!at_end && !unwell && !works_->is_due()) return std::nullopt;
   std::string moved = works_->examine();
-  return moved.empty() ? unwell : moved;
+  if (moved.empty()) {
+    work_well_until_ = results_.size();
+    return unwell;
+  }
+  well_until_ = std::max(well_until_, work_well_until_);
+  return moved;
 }
 
 void ServoRun::finish() {

@@ -127,7 +127,8 @@ class ServoRun {
   std::optional<RunFiles> files_;   ///< none where the request names no folder
   std::vector<TargetResult> results_;
   std::size_t results_before_;
-  std::size_t well_until_;  ///< number of results when the cell was last found well
+  std::size_t well_until_;          ///< number of results when the cell was last found well
+  std::size_t work_well_until_{0};  ///< and when the works were
 };
 
 /// Moves to every target in turn, except those with a result in a resumed run, until the run is

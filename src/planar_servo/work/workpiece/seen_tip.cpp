@@ -78,10 +78,10 @@ SeenTip see_tip(const std::vector<Frame>& frames, const std::vector<TipAtMark>& 
                         "size and height"
                       : "cover all but the disc at the tip"});
   SeenTip seen;
-  const double foot_m = vision.workplane.X_WC().translation().head<2>().norm();
+  const Eigen::Vector2d foot_B = vision.workplane.X_WC().translation().head<2>();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const TipCandidate& tip = *tips[0][i];
-    const double from_foot = tip.p_B.norm() + foot_m;
+    const double from_foot = (tip.p_B - foot_B).norm();
     seen.sigma_common =
         std::max(seen.sigma_common, form.sigma_z * from_foot / camera_height(vision));
     seen.sigma = std::max(seen.sigma, tip.sigma);
@@ -99,13 +99,18 @@ void require_height(const TaughtTip& taught, const SeenTip& seen, const VisionCa
   for (const TipAtMark& at : poses)
     middle += (at.pose.p - vision.workplane.X_WC().translation().head<2>()) /
               static_cast<double>(poses.size());
-  // A mark at -m as seen lies where rays from the camera's foot meet another height.
+  // What is seen lies from where it turns by -mark: outwards where it is higher than stated.
   const double height =
-      taught.mark_B.dot(middle) / std::max(1e-9, middle.squaredNorm()) * camera_height(vision);
+      -taught.mark_B.dot(middle) / std::max(1e-9, middle.squaredNorm()) * camera_height(vision);
   throw WorkError({fmt::format("the disc is seen {:.3f} mm beside where the tool turns it in all "
                                "pictures, as if it lay {:+.2f} mm higher than was stated",
                                mm(off), mm(height)),
                    "measure the disc's height over the lamps again (--height-mm)"});
+}
+
+void add_height_doubt(TaughtTip& taught, const VisionCalibration& vision, const Fiducial& form) {
+  const Eigen::Vector2d stretched = form.sigma_z / camera_height(vision) * taught.tip.p_TE;
+  taught.tip.covariance += stretched * stretched.transpose();
 }
 
 }  // namespace planar

@@ -32,4 +32,8 @@ SeenTip see_tip(const std::vector<Frame>& frames, const std::vector<TipAtMark>& 
 void require_height(const TaughtTip& taught, const SeenTip& seen, const VisionCalibration& vision,
                     const std::vector<TipAtMark>& poses);
 
+/// Adds to the tip's covariance what the disc's height leaves in doubt: a tip that is higher than
+/// stated is seen as if the tool were as much larger.
+void add_height_doubt(TaughtTip& taught, const VisionCalibration& vision, const Fiducial& form);
+
 }  // namespace planar

@@ -8,12 +8,14 @@
 namespace planar {
 namespace {
 
-/// Exposes the camera otherwise for as long as this lives.
+/// Exposes the camera shorter or longer for as long as this lives.
 class ExposedOtherwise {
  public:
-  ExposedOtherwise(FrameSource& camera, const std::optional<CameraExposure>& exposure)
-      : camera_(camera), before_(camera.exposure()), changed_(exposure && !is_set(*exposure)) {
-    if (changed_) camera_.set_exposure(*exposure);
+  ExposedOtherwise(FrameSource& camera, const std::optional<double>& exposure_s)
+      : camera_(camera),
+        before_(camera.exposure()),
+        changed_(exposure_s && *exposure_s != before_.time_s) {
+    if (changed_) camera_.set_exposure({*exposure_s, before_.gain_db});
   }
   ~ExposedOtherwise() {
     try {
@@ -26,10 +28,6 @@ class ExposedOtherwise {
   ExposedOtherwise& operator=(const ExposedOtherwise&) = delete;
 
  private:
-  bool is_set(const CameraExposure& exposure) const {
-    return exposure.time_s == before_.time_s && exposure.gain_db == before_.gain_db;
-  }
-
   FrameSource& camera_;
   CameraExposure before_;
   bool changed_;
@@ -41,8 +39,8 @@ constexpr double kWatchPeriod_s = 60.0;
 }  // namespace
 
 std::vector<Frame> whole_frames(FrameSource& camera, int count,
-                                const std::optional<CameraExposure>& exposure) {
-  const ExposedOtherwise exposed(camera, exposure);
+                                const std::optional<double>& exposure_s) {
+  const ExposedOtherwise exposed(camera, exposure_s);
   camera.set_region({{}, camera.sensor_size_px()});
   std::vector<Frame> frames;
   for (int i = 0; i < count; ++i) {
@@ -61,12 +59,15 @@ bool WorkWatch::is_due() const {
 }
 
 std::string WorkWatch::examine() {
-  const std::vector<Frame> frames = whole_frames(camera_, kFramesOfWatch, works_.exposure);
+  const std::vector<Frame> frames = whole_frames(camera_, kFramesOfWatch, works_.exposure_s);
   looked_s_ = clock_.now_s();
   std::string hidden;
   for (const FoundWork& work : works_.works) {
     const WorkMotion motion = look_again(frames, vision_, work);
-    if (motion.moved) return *motion.moved + "; find it again with planar-find-work, then continue";
+    if (motion.moved)
+      return *motion.moved +
+             "; find it again with planar-find-work, and reach what is left in a "
+             "folder of its own";
     for (const std::string& mark : motion.hidden)
       hidden += (hidden.empty() ? "" : ", ") + (work.id.empty() ? "" : work.id + "/") + mark;
     if (motion.hidden.size() == work.fiducials.size())

@@ -11,10 +11,10 @@
 
 namespace planar {
 
-/// Takes whole frames of a scene at rest, exposed as given or else as the camera is. The camera is
-/// left exposed as it was. Throws WorkError for a frame that does not come.
+/// Takes whole frames of a scene at rest, exposed as long as given or else as the camera does. It
+/// is left exposed as it was. Throws WorkError for a frame that does not come.
 std::vector<Frame> whole_frames(FrameSource& camera, int count,
-                                const std::optional<CameraExposure>& exposure);
+                                const std::optional<double>& exposure_s);
 
 /// Looks every minute whether workpieces still lie where they were found.
 class WorkWatch {
