@@ -11,8 +11,8 @@
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/loop/servo/path/path_follower.h"
 #include "planar_servo/work/run/ready_cell.h"
-#include "planar_servo/work/workpiece/work_watch.h"
 #include "planar_servo/work/run/run_files.h"
+#include "planar_servo/work/workpiece/work_watch.h"
 
 namespace planar {
 
