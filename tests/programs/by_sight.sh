@@ -58,3 +58,16 @@ sed 's/\[-720, 720\]/[-100, 100]/' cell/cell.yaml >cell/narrow.yaml
 grep -q "motor 3 turns" err.txt && fail "joint 3 turned in vain: $(cat err.txt)"
 sed '0,/, home: {reference: sight}/s///' cell/cell.yaml >cell/mixed.yaml
 expect 2 "all three or none" "$bin/planar-servo" --cell cell/mixed.yaml --targets targets.csv --dry-run
+
+# Lamps that turn about an end point beside their middle leave no doubt about the elbow.
+python3 - <<'END'
+import re
+def beside(path, key, by):
+    text = re.sub(r"^checksum: .*\n", "", open(path).read(), flags=re.M)
+    open(path, "w").write(re.sub(rf"({key}: \[)([^,]+)", lambda m: m[1] + str(float(m[2]) + by), text))
+beside("cell/truth.yaml", "lamp[12]_mm", 2)
+beside("cell/tool.yaml", "p_TP_mm", -2)
+END
+standing "-60, 30, 200"
+"${servo[@]}" --accept-stale --home --nearest-turn --out beside >out.txt 2>err.txt || fail "$(cat out.txt err.txt)"
+grep -q "homed by sight" err.txt || fail "$(cat err.txt)"
