@@ -375,6 +375,10 @@ TEST_CASE("A map of registers is read, and each fault of it named") {
   CHECK_THAT(refusal_of("speed: rpm", "speed: rps"), Contains("counts_per_s"));
   CHECK_THAT(refusal_of("speed: rpm", "speed: 0 rpm"), Contains("such as 0.01 rpm"));
   CHECK_THAT(refusal_of("stop:", "stopp:"), Contains("stop"));
+  CHECK_THAT(refusal_of("0x1014 2", "40021 2"),
+             Contains("register 40021 is numbered as in manuals") && Contains("20 or 0x0014"));
+  CHECK_THAT(refusal_of("0x6002: 0x40", "40021: 0x40"), Contains("numbered as in manuals"));
+  CHECK_THAT(refusal_of("start: \"0x6002", "start: \"0x6200"), Contains("is written by move, too"));
 }
 
 TEST_CASE("Speeds and ramps are written in the driver's unit, which must fit its registers") {
@@ -400,6 +404,8 @@ TEST_CASE("Speeds and ramps are written in the driver's unit, which must fit its
   CHECK_THAT(map.misfit({10000.0, 1e5}, 10000.0).value().text(), Contains("acceleration/2"));
   map.move[0].values[1].words = 2;
   CHECK_FALSE(map.misfit({10000.0, 1e5}, 10000.0));
+  map.speed.size = 1000.0;
+  CHECK_THAT(map.misfit({10000.0, 1e5}, 10000.0).value().text(), Contains("less than one unit"));
 }
 
 TEST_CASE("Three joints of a cell are three drivers of one make on one line") {

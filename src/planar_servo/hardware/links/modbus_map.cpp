@@ -69,6 +69,18 @@ std::optional<RegisterWrite> write_of(const std::string& text) {
   return write.values.empty() ? std::nullopt : std::make_optional(write);
 }
 
+/// Refuses registers that are written as manuals number them, and not as they are on the line.
+void check_address(YamlReader& file, const char* key, const std::string& text, int address) {
+  constexpr int kFirst = 40001, kLast = 49999;
+  const bool is_decimal = text.rfind("0x", 0) != 0 && text.rfind("0X", 0) != 0;
+  file.check(!is_decimal || address < kFirst || address > kLast,
+             {fmt::format("register {} is numbered as in manuals, from {}", address, kFirst),
+              fmt::format("write its address on the line, {} or {:#06x}; in hexadecimal {:#06x} if "
+                          "that is meant",
+                          address - kFirst, address - kFirst, address)},
+             key);
+}
+
 std::optional<RegisterRead> read_of(const std::string& text) {
   std::istringstream words(text);
   std::string address, count{"1"}, more;
@@ -124,6 +136,17 @@ void read_rate(YamlReader& file, const char* key, ModbusRate<Unit>& rate,
                   fmt::join(names_of(units), ", ")));
 }
 
+void read_register(YamlReader& file, const char* key, RegisterRead& value) {
+  read_text(
+      file, key, value,
+      [&](const std::string& text) {
+        const auto read = read_of(text);
+        if (read) check_address(file, key, text, read->address);
+        return read;
+      },
+      kReadRule);
+}
+
 void read_writes(YamlReader& file, const char* key, std::vector<RegisterWrite>& writes,
                  bool is_needed) {
   if (!is_needed && !file.given(key)) return;
@@ -132,7 +155,9 @@ void read_writes(YamlReader& file, const char* key, std::vector<RegisterWrite>& 
   for (const std::string& text : texts) {
     const auto write = write_of(text);
     file.check(write.has_value(), {fmt::format("'{}' is not understood", text), kWriteRule}, key);
-    if (write) writes.push_back(*write);
+    if (!write) continue;
+    check_address(file, key, text, write->address);
+    writes.push_back(*write);
   }
 }
 
@@ -153,6 +178,13 @@ void check_whole(YamlReader& file, const ModbusMap& map) {
                "move");
   file.check(map.position.words == 2 || map.position.words == 0,
              {"is one register", "a position needs two: REGISTER 2"}, "position");
+  if (map.start)
+    file.check(std::none_of(
+                   map.move.begin(), map.move.end(),
+                   [&](const RegisterWrite& write) { return write.address == map.start->address; }),
+               {"is written by move, too, so that each joint would begin before the others",
+                "leave it out of move, or leave start out"},
+               "start");
   const int bits = 16 * map.status.words;
   const auto check_bit = [&](const StatusBit& bit, const char* key) {
     file.check(bit.bit < bits, {fmt::format("is bit {} of {}", bit.bit, bits), kBitRule}, key);
@@ -165,10 +197,14 @@ void check_whole(YamlReader& file, const ModbusMap& map) {
 
 }  // namespace
 
+double ModbusMap::speed_in_units(double counts_s, double counts_per_turn) const {
+  const bool is_rpm = speed.unit == ModbusSpeed::kRpm;
+  return kRounding * (is_rpm ? kRpmPerTurnPerS * counts_s / counts_per_turn : counts_s) /
+         speed.size;
+}
+
 long ModbusMap::speed_number(double counts_s, double counts_per_turn) const {
-  const double in_units =
-      speed.unit == ModbusSpeed::kRpm ? kRpmPerTurnPerS * counts_s / counts_per_turn : counts_s;
-  return std::max(1L, static_cast<long>(std::floor(kRounding * in_units / speed.size)));
+  return std::max(1L, static_cast<long>(speed_in_units(counts_s, counts_per_turn)));
 }
 
 long ModbusMap::acceleration_number(double counts_s2, double counts_per_turn) const {
@@ -192,6 +228,9 @@ std::optional<Refusal> ModbusMap::misfit(const DriveLimits& limits, double count
                         name_in(kValues, what))};
     return std::nullopt;
   };
+  if (speed_in_units(limits.speed_pulses_s, counts_per_turn) < 1.0)
+    return Refusal{"the cell's largest speed is less than one unit of the driver",
+                   "compare the map's speed with the manual, or raise the limit"};
   if (auto why = too_large(What::kSpeed, speed_number(limits.speed_pulses_s, counts_per_turn)))
     return why;
   return too_large(What::kAcceleration,
@@ -204,9 +243,9 @@ ModbusMap read_modbus_map(const std::filesystem::path& path) {
   file.text("name", map.name);
   file.text("source", map.source);
   file.choice("word_order", map.high_word_first, kWordOrders);
-  read_text(file, "position", map.position, read_of, kReadRule);
-  read_text(file, "status", map.status, read_of, kReadRule);
-  if (file.given("alarm")) read_text(file, "alarm", map.alarm, read_of, kReadRule);
+  read_register(file, "position", map.position);
+  read_register(file, "status", map.status);
+  if (file.given("alarm")) read_register(file, "alarm", map.alarm.emplace());
   read_text(file, "moving", map.moving, bit_of, kBitRule);
   if (file.given("on")) read_text(file, "on", map.on, bit_of, kBitRule);
   if (file.given("fault")) read_text(file, "fault", map.fault, bit_of, kBitRule);

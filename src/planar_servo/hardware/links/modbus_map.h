@@ -60,6 +60,8 @@ struct ModbusMap {
   ModbusRate<ModbusSpeed> speed;
   ModbusRate<ModbusAcceleration> acceleration;
 
+  /// Returns a speed, counts/s, in the driver's numbers.
+  double speed_in_units(double counts_s, double counts_per_turn) const;
   /// Returns the driver's number for a speed in counts/s, rounded down but at least 1.
   long speed_number(double counts_s, double counts_per_turn) const;
   /// Returns the driver's number for an acceleration in counts/s2 that is not exceeded, at least 1;
