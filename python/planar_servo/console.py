@@ -5,7 +5,7 @@
     for result in console.run("first"):
         print(result["target"], result["status"])
 
-Answers are the JSON of the API, with its units in the names; doc/console.md describes them, and the
+Answers are the JSON of the API, with its units in the names; doc/api.md describes them, and the
 console itself in OpenAPI at /openapi.json. InputError says what was refused (400), WorkError why the
 console does not act: no right (401, 403), the cell is at work or somebody else moves it (409), or it
 does not answer.

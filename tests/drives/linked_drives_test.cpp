@@ -23,7 +23,7 @@ struct Script {
   MachineState state;
   double braking_s{0.0};
   std::function<void(MachineState&)> when_stopped{[](MachineState& told) { told.moving = false; }};
-  bool is_gone{false};
+  bool is_gone{false}, refuses{false};
   int moves_told{0};
 };
 
@@ -32,6 +32,7 @@ class ScriptedMachine final : public MachineLink {
   explicit ScriptedMachine(Script& script) : script_(script) {}
   void switch_on() override { script_.state.on = true; }
   void go_to(const Pulses&, const std::array<DriveLimits, 3>&) override {
+    if (script_.refuses) throw MachineRefusal("the door is open");
     ++script_.moves_told;
     script_.state.moving = true;
   }
@@ -66,7 +67,7 @@ TEST_CASE("A halt fails where the machine got out of touch in a move, and not at
   drives.set_targets({1000, 0, 0});
   script.is_gone = true;
   CHECK_FALSE(drives.status()[0].answers);
-  CHECK_THROWS_WITH(drives.halt(), "the machine cannot be told to halt: the cable is cut");
+  CHECK_THROWS_WITH(drives.halt(), "the machine cannot be told to halt: it is out of touch");
   script.is_gone = script.state.moving = false;
   drives.reconnect();
   make_ready(drives);
@@ -108,6 +109,32 @@ TEST_CASE("Counts that change at rest without an order make all positions uncert
     CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}),
                       Contains("the position of drive 1 is not certain"));
   }
+}
+
+TEST_CASE("A machine that moves unasked is uncertain, also when it is switched on meanwhile") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  const bool is_seen = GENERATE(true, false);
+  script.state.moving = true;
+  script.state.counts = Pulses(0, 3 * kBeside, 0);
+  if (is_seen) CHECK_FALSE(drives.status()[0].position_certain);
+  drives.energize();  // which stops it
+  CHECK_FALSE(script.state.moving);
+  CHECK_FALSE(drives.status()[0].position_certain);
+}
+
+TEST_CASE("A move that a machine refuses costs no position") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  script.refuses = true;
+  CHECK_THROWS_WITH(drives.set_targets({1000, 0, 0}), "the machine cannot move: the door is open");
+  drives.halt();
+  CHECK(drives.status()[0].position_certain);
+  script.refuses = false;
+  drives.set_targets({1000, 0, 0});
+  CHECK(script.moves_told == 1);
 }
 
 TEST_CASE("A machine that loses its position or fails as it brakes is not sent on") {

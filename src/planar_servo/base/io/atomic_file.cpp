@@ -270,7 +270,10 @@ bool ends_with_line(const fs::path& path) {
 }
 
 [[noreturn]] void refuse_table(const fs::path& path) {
-  throw InputError({"holds something else already", "move it away, or name another file", path});
+  throw InputError({"holds something else already",
+                    "move it away, or name another file; another version of this program may have "
+                    "written it, with other columns",
+                    path});
 }
 
 /// Throws unless the file begins with the header's first line and has its last, the columns.

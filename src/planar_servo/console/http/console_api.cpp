@@ -173,7 +173,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
     const char* fault = response.status == 413   ? "the body is larger than 1 MiB"
                         : response.status == 404 ? "there is nothing of this name"
                                                  : "the request is not understood";
-    refuse(response, response.status, {{fault, "see doc/console.md", request.path}});
+    refuse(response, response.status, {{fault, "see doc/api.md", request.path}});
   });
   answer_get("/api/cell", &ConsoleApi::cell);
   answer_get("/api/state", &ConsoleApi::state);

@@ -23,7 +23,7 @@ Value member(const nlohmann::ordered_json& body, const char* key) {
     return body.at(key).get<Value>();
   } catch (const nlohmann::json::exception&) {
     throw InputError(
-        {fmt::format("'{}' is missing or of another type", key), "see doc/console.md", "body"});
+        {fmt::format("'{}' is missing or of another type", key), "see doc/api.md", "body"});
   }
 }
 

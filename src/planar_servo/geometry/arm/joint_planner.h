@@ -58,10 +58,8 @@ class JointPlanner {
 
   /// Returns that arm, with the sense, the coupling and the gears of the files.
   const std::optional<FoundArm>& found() const { return found_; }
-  /// Returns its scatter; where no arm was found, that of an arm whose maker states a repeatability
-  /// of 0.06 mm: those of small arms are 0.02 to 0.2 mm.
-  double scatter_m() const { return found_ ? found_->scatter_m : 20e-6; }
-  /// Returns by how much its base moves; 0 where no arm was found.
+  /// Returns its scatter, and by how much its base moves; 0 where no arm was found.
+  double scatter_m() const { return found_ ? found_->scatter_m : 0.0; }
   double wander_m() const { return found_ ? found_->wander_m : 0.0; }
   /// Returns the joint angles, near `theta`, by which the arm as it was found stands at a pose with
   /// this elbow.

@@ -20,7 +20,6 @@ namespace planar {
 namespace {
 
 /// A machine that is switched on may take this long before it greets.
-constexpr double kGreetingPatience_s = 20.0;
 /// After its input has ended, and again after SIGTERM.
 constexpr double kEndPatience_s = 1.0;
 constexpr char kSeeProtocol[] = "see doc/motion_program.md";
@@ -136,7 +135,7 @@ bool ChildProgram::has_said_more() {
 
 CommandLink::CommandLink(const MotionProgram& program)
     : program_(program), answer_s_(program.answer_s) {
-  machine_ = ask("hello 1", kGreetingPatience_s);
+  machine_ = ask("hello 1", kReadyPatience_s);
 }
 
 std::string CommandLink::ask(const std::string& request, double patience_s) {
@@ -148,7 +147,8 @@ std::string CommandLink::ask(const std::string& request, double patience_s) {
   const std::string answer = program_.next_line(patience_s);
   const auto begins = [&](const std::string& with) { return answer.rfind(with, 0) == 0; };
   if (begins(number + "no "))
-    throw WorkError(fmt::format("it refuses '{}': {}", request, answer.substr(number.size() + 3)));
+    throw MachineRefusal(
+        fmt::format("it refuses '{}': {}", request, answer.substr(number.size() + 3)));
   if (!begins(number + "ok"))
     throw WorkError(
         {fmt::format("it answers '{}' with '{}'", number + request, answer), kSeeProtocol});

@@ -56,7 +56,7 @@ class CommandLink final : public MachineLink {
   /// Starts the program. Throws WorkError when that fails or it does not know the protocol.
   explicit CommandLink(const MotionProgram& program);
 
-  void switch_on() override { ask("enable"); }
+  void switch_on() override { ask("enable", kReadyPatience_s); }
   void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) override;
   void stop() override { ask("stop"); }
   void search_home(int joint, HomeDirection direction) override;
@@ -66,6 +66,8 @@ class CommandLink final : public MachineLink {
   const std::string& machine() const { return machine_; }
 
  private:
+  static constexpr double kReadyPatience_s = 20.0;  ///< for a machine that starts or gets power
+
   /// Returns the words behind `ok` of the answer.
   std::string ask(const std::string& request) { return ask(request, answer_s_); }
   std::string ask(const std::string& request, double patience_s);

@@ -72,6 +72,8 @@ void LinkedDrives::command(const std::string& purpose, const Deed& deed) {
   if (link_) {
     try {
       return deed();
+    } catch (const MachineRefusal& error) {
+      throw DriveError(fmt::format("{} cannot {}: {}", name_, purpose, error.what()));
     } catch (const WorkError& error) {
       lose(error.what());
     }
@@ -92,11 +94,12 @@ void LinkedDrives::take(const MachineState& state) {
   const bool is_lost = state.losses != state_.losses;
   state_ = state;
   if (is_lost) forget(state.faults.empty() ? "" : ": " + state.faults.front());
-  if (state.moving || state.homing) return;
+  const bool rests = !state.moving && !state.homing;
+  if (rest_ || rests) check_rest();
+  if (!rests) return;
   if (homing_joint_ && !is_lost && state.faults.empty())
     joints_[*homing_joint_] = {state.counts[static_cast<int>(*homing_joint_)], true};
   homing_joint_.reset();
-  check_rest();
   judge_rest();
 }
 
@@ -113,7 +116,7 @@ void LinkedDrives::check_rest() {
       fmt::join(state_.counts, ", "), fmt::join(*rest_, ", "));
   forget(": " + why);
   if (state_.on) missed_ = why + "; `enable` clears this";
-  rest_ = state_.counts;
+  rest_.reset();
 }
 
 void LinkedDrives::judge_rest() {
@@ -134,6 +137,7 @@ void LinkedDrives::judge_rest() {
 void LinkedDrives::energize() {
   command("be switched on", [this] {
     take(link_->read());  // it may have been restarted
+    if (state_.moving) brake_to_rest();
     missed_.clear();
     rest_.reset();  // a motor may turn a little as it gets its current
     link_->switch_on();
@@ -147,7 +151,11 @@ void LinkedDrives::set_limits(const std::array<DriveLimits, 3>& limits) {
 }
 
 void LinkedDrives::brake_to_rest() {
-  link_->stop();
+  try {
+    link_->stop();
+  } catch (const MachineRefusal& error) {
+    throw WorkError(error.refusal());  // which closes the link: that stops it, if anything does
+  }
   goal_.reset();
   homing_joint_.reset();
   double braking_s = 0.0;
@@ -202,6 +210,7 @@ void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses
 
 void LinkedDrives::halt() {
   if (!link_ && !state_.moving) return;
+  if (!link_) throw DriveError(name_ + " cannot be told to halt: it is out of touch");
   command("be told to halt", [this] { brake_to_rest(); });
 }
 

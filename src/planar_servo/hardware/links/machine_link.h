@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/geometry/arm/transmission.h"
 
@@ -27,9 +28,15 @@ struct MoveTime {
 /// Returns the shortest time of a straight move by `way` counts that keeps these limits.
 MoveTime time_of(const Pulses& way, const std::array<DriveLimits, 3>& limits);
 
+/// Reports that a machine does not do what it was told, and stands as before.
+class MachineRefusal : public WorkError {
+ public:
+  using WorkError::WorkError;
+};
+
 /// A controller of three motors that moves them by itself once it is told where to. Every function
-/// throws WorkError when it is out of touch, refuses, or says what cannot be; the link is closed
-/// then, which stops the machine as far as its kind can.
+/// throws WorkError when it is out of touch or says what cannot be; the link is closed then, which
+/// stops the machine as far as its kind can. After a MachineRefusal it is not.
 class MachineLink {
  public:
   virtual ~MachineLink() = default;

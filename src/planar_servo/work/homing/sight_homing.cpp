@@ -119,9 +119,10 @@ class SightHoming {
                               const char* what, bool is_last) {
     // A gear may turn by this share more or less within a small angle.
     constexpr double kGearShare = 0.05, kSigmas = 4.0;
-    // Of a move: looks of moving air, and two stops.
-    const double scatter_m =
-        kSigmas * std::hypot(10e-6, std::sqrt(2.0) * cell_.planner.scatter_m()) / std::sqrt(n);
+    // Of a move: looks of moving air, and two stops of the arm as it was found, or of one whose
+    // maker states a repeatability of 0.06 mm: those of small arms are 0.02 to 0.2 mm.
+    const double stop_m = cell_.planner.found() ? cell_.planner.scatter_m() : 20e-6;
+    const double scatter_m = kSigmas * std::hypot(10e-6, std::sqrt(2.0) * stop_m) / std::sqrt(n);
     std::size_t best = 0;
     for (std::size_t i = 1; i < moves.size(); ++i)
       if ((seen - moves[i]).norm() < (seen - moves[best]).norm()) best = i;

@@ -65,6 +65,28 @@ bool may_be_light(const HealthFinding& finding, double diameter_m) {
   }
 }
 
+/// What stops at the same places show of an arm's scatter, where no file says it.
+class StopRepeats {
+ public:
+  void add(const std::vector<Revisit>& before, const std::vector<Revisit>& after) {
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const Eigen::Vector2d moved =
+          0.5 * (after[i].now_B[0] + after[i].now_B[1] - before[i].now_B[0] - before[i].now_B[1]);
+      if (moved.isZero(0.0)) continue;  // it was not visited again
+      squares_m2_ += moved.squaredNorm();
+      coordinates_ += 2.0;
+    }
+  }
+
+  /// Returns it per axis: twice what is seen, since so few stops may show half of it.
+  double scatter_m() const {
+    return coordinates_ > 0.0 ? 2.0 * std::sqrt(0.5 * squares_m2_ / coordinates_) : 0.0;
+  }
+
+ private:
+  double squares_m2_{0.0}, coordinates_{0.0};
+};
+
 double repeatability_m(const CellSettings& cell) {
   if (cell.servo.approach == Approach::kOneSide) return kRepeatability_m;
   return kPlay * cell.arm.geometry.link_lengths_m.sum();
@@ -228,8 +250,13 @@ std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) 
   }
   if (revisits.empty()) return {};
   constexpr int kRounds = 2;  // two stops in a row stray once in some thousand times
+  StopRepeats repeats;
   for (int round = 0; round < kRounds && has_changed(model_, revisits); ++round) {
+    const std::vector<Revisit> before = revisits;
     if (auto finding = visit_again(visited_places, revisits)) return {*finding};
+    repeats.add(before, revisits);
+    if (!as_found_.found())
+      for (Revisit& revisit : revisits) revisit.scatter_m = repeats.scatter_m();
     if (auto found = judge_odd_place(visited_places, revisits); !found.empty()) return found;
   }
   // Play that has grown displaces the arm on either side, as a lost zero would.
