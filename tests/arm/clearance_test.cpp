@@ -249,6 +249,7 @@ TEST_CASE("An arm that stands at one obstacle may not touch another, and no turn
 
 TEST_CASE("An arm in a closed pen finds no way out, and is told which part would touch what") {
   std::vector<Barrier> pen;
+  pen.reserve(24);
   for (int i = 0; i < 24; ++i) pen.push_back(disc(0.5 * rotation2d(i * kPi / 12.0).col(0), 0.06));
   const JointPlanner planner = planner_among(pen);
   const Joints from(0.5, 2.5, 0.0), to(0.5, 0.6, 0.0);

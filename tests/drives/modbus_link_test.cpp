@@ -38,9 +38,10 @@ struct Bus {
   }
   static MotionProgram program(const test::TemporaryFolder& folder,
                                const std::vector<std::string>& options) {
-    MotionProgram program{{"/usr/bin/python3", "-B", PLANAR_DRIVE_TESTS "/modbus_drivers.py",
-                           PLANAR_EXAMPLES, (folder / "port").string()},
-                          "/"};
+    MotionProgram program{
+        {"/usr/bin/python3", "-B", std::string(PLANAR_DRIVE_TESTS) + "/modbus_drivers.py",
+         PLANAR_EXAMPLES, (folder / "port").string()},
+        "/"};
     program.words.insert(program.words.end(), options.begin(), options.end());
     return program;
   }

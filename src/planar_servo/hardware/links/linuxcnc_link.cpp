@@ -127,7 +127,7 @@ std::string contradiction(const Ini& ini, const LinuxcncHost& host) {
           section, search, joint.has_switch ? "searches no" : "searches", i,
           joint.has_switch ? "a switch" : "a mark or sight");
     if (joint.has_switch) continue;
-    if (const std::string motion = motion_in_homing(ini, section); !motion.empty()) return motion;
+    if (std::string motion = motion_in_homing(ini, section); !motion.empty()) return motion;
   }
   const std::string unit = value("TRAJ.ANGULAR_UNITS");
   return unit.empty() || unit.rfind("deg", 0) == 0
