@@ -223,15 +223,12 @@ MeasuredMarks measure_marks(const Constellation& constellation,
   return {means, marks_on_plane(vision, drawing, uv_px, own_px2)};
 }
 
-/// Adds to all marks in common what the map has of the lamps' rims and glow instead of the lens:
-/// reflections and smears shift a centre by up to 0.026 px, rms per axis (doc/lamps.md), and the
-/// map takes the mean of it for the lens's. Boards do not tell it, whose place is free.
+/// Adds to all marks in common what the map has of the lamps instead of the lens. Boards do not
+/// tell it, whose place is free.
 void add_lamps_share(WorkMarks& marks, const VisionCalibration& vision) {
-  constexpr double kLamps_px = 0.03;
-  const double scale = px_per_m(vision.workplane, marks.p_B.rowwise().mean());
-  if (scale <= 0.0) return;
   const auto n = marks.p_B.cols();
-  const double variance = std::pow(kLamps_px / scale, 2);
+  const double variance =
+      std::pow(lamps_shift_sigma(vision.workplane, marks.p_B.rowwise().mean()), 2);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k)
       marks.shared.block<2, 2>(2 * i, 2 * k) += variance * Eigen::Matrix2d::Identity();
@@ -342,6 +339,12 @@ WorkMarks with_drawing_noise(WorkMarks marks, double sigma) {
 }
 
 }  // namespace
+
+double lamps_shift_sigma(const Workplane& plane, const Eigen::Vector2d& p_B) {
+  constexpr double kLamps_px = 0.03;
+  const double scale = px_per_m(plane, p_B);
+  return scale > 0.0 ? kLamps_px / scale : 0.0;
+}
 
 WorkMarks marks_on_plane(const VisionCalibration& vision, const std::vector<Fiducial>& fiducials,
                          const std::vector<Eigen::Vector2d>& uv_px,

@@ -71,6 +71,11 @@ std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionC
                                  const std::vector<Fiducial>& drawing,
                                  const WorkSettings& settings);
 
+/// Returns by how much lamps are shifted beside marks by their rims and glow: standard deviation
+/// per axis near a place, metres; 0 where it is not seen. Reflections and smears shift a centre by
+/// up to 0.026 px, rms (doc/lamps.md), and a map takes the mean of it for the lens's.
+double lamps_shift_sigma(const Workplane& plane, const Eigen::Vector2d& p_B);
+
 /// A bar with two marks as it is seen, base frame, metres.
 struct BarSight {
   std::array<Eigen::Vector2d, 2> p_B{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};

@@ -201,18 +201,31 @@ LayInformation told_by_lengths(const LaidDots& laid, const FieldBasis& basis) {
 
 LayInformation told_by_marks(const LaidDots& laid, const FieldBasis& basis) {
   const Eigen::Index terms = basis.terms();
-  Sums sums(2 * terms);
-  for (const MarkSight& mark : laid.marks) {
-    if (mark.seen_B.norm() > basis.radius) continue;
-    const Eigen::RowVectorXd b = basis.at(mark.seen_B) / mark.sigma;
-    const Eigen::Vector2d z = (mark.seen_B - mark.p_B) / mark.sigma;
-    for (const Eigen::Index axis : {0, 1}) {
-      sums.H.block(axis * terms, axis * terms, terms, terms) += b.transpose() * b;
-      sums.right.segment(axis * terms, terms) += b.transpose() * z[axis];
+  LayInformation told{Eigen::MatrixXd::Zero(2 * terms, 2 * terms), Eigen::VectorXd::Zero(2 * terms),
+                      0.0, 0.0};
+  // The last unknown is the lamps' shift along the axis.
+  constexpr double kNone_m = 1e-9;
+  const double prior = std::pow(std::max(laid.lamps_shift_sigma, kNone_m), -2.0);
+  for (const Eigen::Index axis : {0, 1}) {
+    Sums sums(terms + 1);
+    sums.H(terms, terms) = prior;
+    for (const MarkSight& mark : laid.marks) {
+      if (mark.seen_B.norm() > basis.radius) continue;
+      Eigen::RowVectorXd row(terms + 1);
+      row << basis.at(mark.seen_B), 1.0;
+      row /= mark.sigma;
+      const double z = (mark.seen_B - mark.p_B)[axis] / mark.sigma;
+      sums.H += row.transpose() * row;
+      sums.right += row.transpose() * z;
+      sums.squares += z * z;
     }
-    sums.squares += z.squaredNorm();
+    told.log_determinant += std::log(sums.H(terms, terms) / prior);
+    const Sums field = without_last(sums, 1);
+    told.H.block(axis * terms, axis * terms, terms, terms) = field.H;
+    told.right.segment(axis * terms, terms) = field.right;
+    told.squares += field.squares;
   }
-  return {sums.H, sums.right, sums.squares, 0.0};
+  return told;
 }
 
 }  // namespace

@@ -43,6 +43,8 @@ struct LaidDots {
   std::vector<LengthSight> lengths{};
   double length{0.0}, length_sigma{0.0};  ///< of the bar, the deviation common to all its sights
   std::vector<MarkSight> marks{};
+  /// Of the shift, per axis, that lamps have beside the marks by their rims and glow. Metres.
+  double lamps_shift_sigma{0.0};
 
   std::size_t dots() const;
 };

@@ -179,6 +179,7 @@ void add_marks(const LampFieldFiles& files, const VisionCalibration& uncompensat
                                   "seen",
                                   marks.size(), files.pictures.size(), mm(radius)),
                       "compare x_mm and y_mm with the base frame, and uncover them", files.marks});
+  laid.lamps_shift_sigma = lamps_shift_sigma(uncompensated.workplane, laid.marks.front().p_B);
 }
 
 }  // namespace
