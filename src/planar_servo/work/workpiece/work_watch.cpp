@@ -43,8 +43,10 @@ std::vector<Frame> whole_frames(FrameSource& camera, int count,
   const ExposedOtherwise exposed(camera, exposure_s);
   camera.set_region({{}, camera.sensor_size_px()});
   std::vector<Frame> frames;
-  for (int i = 0; i < count; ++i) {
-    FrameResult result = i == 0 ? camera.next_frame() : camera.following_frame();
+  for (int missed = 0; static_cast<int>(frames.size()) < count;) {
+    FrameResult result = frames.empty() ? camera.next_frame() : camera.following_frame();
+    constexpr int kMostMissed = 5;
+    if (result.status != FrameStatus::kOk && ++missed <= kMostMissed) continue;
     if (result.status != FrameStatus::kOk)
       throw WorkError({fmt::format("the camera gave no picture: {}", name(result.status)),
                        "planar-doctor says what is wrong with it"});
