@@ -32,6 +32,9 @@ def lose_jog(console, wire, line):
         before, said_s = len(wire.halts_s), time.monotonic()
         check(console.ask("/api/jog/keep", {})["held"], "the jog has ended before it was lost")
     console.rests()
+    read_s = time.monotonic() + 1.0  # by when the wire's reader has what was sent
+    while len(wire.halts_s) == before and time.monotonic() < read_s:
+        time.sleep(0.01)
     check(len(wire.halts_s) > before, "nothing was sent to the drives")
     return wire.halts_s[before] - said_s
 
