@@ -155,4 +155,5 @@ def main():
               f"{each / first:.2f} x {options.kinds.split(',')[0]}", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()
