@@ -128,8 +128,9 @@ void LinkedDrives::judge_rest() {
   if (!goal_) return;
   if (state_.counts != *goal_ && state_.faults.empty())
     missed_ = fmt::format(
-        "it came to rest at {} counts, where it was sent to {}: it lost steps, was stopped by "
-        "somebody else, or braked because it was not asked for long; `enable` clears this",
+        "it came to rest at {} counts, where it was sent to {}: it has limits of its own there, "
+        "lost steps, was stopped by somebody else, or braked because it was not asked for long; "
+        "`enable` clears this",
         fmt::join(state_.counts, ", "), fmt::join(*goal_, ", "));
   goal_.reset();
 }
