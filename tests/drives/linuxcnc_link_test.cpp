@@ -250,14 +250,7 @@ class Wire {
   enum class State { kWhole, kMute, kCut };
 
   explicit Wire(LinuxcncHost& host) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    REQUIRE(bind(listener_, reinterpret_cast<sockaddr*>(&address), size) == 0);
-    REQUIRE(listen(listener_, 8) == 0);
-    getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
-    host.port = ntohs(address.sin_port);
+    host.port = test::listening_port(listener_);
     thread_ = std::thread([this] { carry(); });
   }
   ~Wire() {

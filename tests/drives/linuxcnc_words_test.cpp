@@ -29,14 +29,7 @@ using Catch::Contains;
 class EmulatedRsh {
  public:
   EmulatedRsh() {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    REQUIRE(bind(listener_, reinterpret_cast<sockaddr*>(&address), size) == 0);
-    REQUIRE(listen(listener_, 8) == 0);
-    getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
-    host.port = ntohs(address.sin_port);
+    host.port = test::listening_port(listener_);
     for (std::size_t i = 0; i < 3; ++i)
       host.joints[i] = {
           static_cast<char>('A' + i), static_cast<int>(i), false, 1000.0, {30000.0, 300000.0}};

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
@@ -29,6 +32,18 @@ inline bool all_rest(LinkedDrives& drives) {
 inline LinkTargets positions(LinkedDrives& drives) {
   const auto status = drives.status();
   return {status[0].position_pulses, status[1].position_pulses, status[2].position_pulses};
+}
+
+/// Lets a socket listen on a free port of this computer alone, and returns the port.
+inline int listening_port(int listener) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(bind(listener, reinterpret_cast<sockaddr*>(&address), size) == 0);
+  REQUIRE(listen(listener, 8) == 0);
+  getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  return ntohs(address.sin_port);
 }
 
 /// Returns how many faults a test injects: as many as LINK_FAULTS says, or `few`.

@@ -178,10 +178,12 @@ std::shared_ptr<const LaidWorks> read_works(const fs::path& path, const Calibrat
   const bool had_map = std::any_of(origins.begin(), origins.end(), [](const Origin& origin) {
     return origin.role == Role::kErrorMap;
   });
-  if (had_map != uses_error_map(cell) && !accepts_stale)
-    throw InputError({had_map ? "was found with the error map, which is not used now"
-                              : "was found without the error map, which is used now",
-                      "find it again as it is to be used", path});
+  if (had_map != uses_error_map(cell))
+    accept_stale({StaleFile{{had_map ? "was found with the error map, which is not used now"
+                                     : "was found without the error map, which is used now",
+                             "find it again as it is to be used", path},
+                            path}},
+                 accepts_stale);
   return works;
 }
 
@@ -203,8 +205,9 @@ Path on_work(const Path& drawn, const WorkPose& work) {
   std::vector<Waypoint> waypoints = drawn.waypoints();
   for (Waypoint& waypoint : waypoints) {
     if (waypoint.via && work.map == WorkMap::kAffine)
-      throw InputError(Refusal{"an arc is none on a work that is stretched to one side",
-                               "draw it by short lines, or find the work with --map similarity"});
+      throw InputError(
+          Refusal{"an arc becomes part of an ellipse on a work that is stretched to one side",
+                  "draw it by short lines, or find the work with --map similarity"});
     waypoint.pose = {work.in_base(waypoint.pose.p), waypoint.pose.phi + work.turn()};
     if (waypoint.via) waypoint.via = work.in_base(*waypoint.via);
   }

@@ -30,6 +30,9 @@ struct Hypothesis {
   double square_m2{0.0};
 
   Eigen::Vector2d at(const Eigen::Vector2d& p_W) const { return A * p_W + t; }
+  bool takes(std::size_t candidate) const {
+    return std::find(candidates.begin(), candidates.end(), candidate) != candidates.end();
+  }
 };
 
 bool fits(const Fiducial& mark, const MarkCandidate& candidate) {
@@ -67,9 +70,7 @@ class Matcher {
   std::vector<std::size_t> near(const Hypothesis& h, std::size_t mark) const {
     std::vector<std::size_t> found;
     for (const std::size_t k : fitting_[mark]) {
-      const bool is_others =
-          h.candidates[mark] != k &&
-          std::find(h.candidates.begin(), h.candidates.end(), k) != h.candidates.end();
+      const bool is_others = h.candidates[mark] != k && h.takes(k);
       const double distance = (candidates_[k].p_B - h.at(drawing_[mark].p_W)).norm();
       if (!is_others && distance < capture_m()) found.push_back(k);
     }
@@ -133,9 +134,7 @@ class Matcher {
       double nearest = capture_m();
       for (const std::size_t k : fitting_[i]) {
         const double distance = (candidates_[k].p_B - h.at(drawing_[i].p_W)).norm();
-        const bool taken =
-            std::find(h.candidates.begin(), h.candidates.end(), k) != h.candidates.end();
-        if (taken || distance >= nearest) continue;
+        if (h.takes(k) || distance >= nearest) continue;
         nearest = distance;
         h.candidates[i] = k;
       }
@@ -214,9 +213,8 @@ void refuse_incomplete(const std::vector<Fiducial>& drawing,
                        const std::vector<Hypothesis>& complete) {
   std::vector<MarkCandidate> left;
   for (std::size_t k = 0; k < candidates.size(); ++k)
-    if (std::none_of(complete.begin(), complete.end(), [k](const Hypothesis& h) {
-          return std::find(h.candidates.begin(), h.candidates.end(), k) != h.candidates.end();
-        }))
+    if (std::none_of(complete.begin(), complete.end(),
+                     [k](const Hypothesis& h) { return h.takes(k); }))
       left.push_back(candidates[k]);
   const std::optional<WorkPlace> anywhere;
   const std::vector<Hypothesis> others = Matcher(drawing, left, anywhere).best(false);

@@ -53,7 +53,7 @@ struct ArmGap {
 };
 
 /// Returns the smallest gap of an arm whose elbow and end point are there. Without barriers it is
-/// infinite. To each barrier may come nearer by what `spared_m` has for it, where it has as many.
+/// infinite. `spared_m`, unless it is empty, has for each barrier how much nearer the arm may come.
 ArmGap smallest_gap(const ArmBody& body, const std::vector<Barrier>& barriers,
                     const Eigen::Vector2d& elbow_B, const Eigen::Vector2d& end_B,
                     const std::vector<double>& spared_m = {});

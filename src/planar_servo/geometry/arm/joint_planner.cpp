@@ -22,19 +22,16 @@ std::array<MotorDrive, 3> drives_on(const Eigen::Vector3d& way,
                                     const TransmissionSettings& settings) {
   std::array<MotorDrive, 3> drives = settings.drives;
   if (!settings.moves_straight) return drives;
-  // Of the share of the way that is done, per second and per second squared.
-  double speed = HUGE_VAL, acceleration = HUGE_VAL;
+  const auto& [first, second, third] = settings.drives;
+  const StraightPace pace =
+      straight_pace(way, {first.max_speed_rad_s, second.max_speed_rad_s, third.max_speed_rad_s},
+                    {first.max_acceleration_rad_s2, second.max_acceleration_rad_s2,
+                     third.max_acceleration_rad_s2});
   for (std::size_t i = 0; i < 3; ++i) {
     const double length = std::abs(way[static_cast<int>(i)]);
     if (length == 0.0) continue;
-    speed = std::min(speed, drives[i].max_speed_rad_s / length);
-    acceleration = std::min(acceleration, drives[i].max_acceleration_rad_s2 / length);
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double length = std::abs(way[static_cast<int>(i)]);
-    if (length == 0.0) continue;
-    drives[i].max_speed_rad_s = speed * length;
-    drives[i].max_acceleration_rad_s2 = acceleration * length;
+    drives[i].max_speed_rad_s = pace.speed * length;
+    drives[i].max_acceleration_rad_s2 = pace.acceleration * length;
   }
   return drives;
 }

@@ -115,6 +115,18 @@ std::optional<Joints> Transmission::branch_within_limits(const Joints& theta, co
   return joints_from_motors(motors);
 }
 
+StraightPace straight_pace(const Eigen::Vector3d& way, const Eigen::Vector3d& speeds,
+                           const Eigen::Vector3d& accelerations) {
+  StraightPace pace{HUGE_VAL, HUGE_VAL};
+  for (int i = 0; i < 3; ++i) {
+    const double length = std::abs(way[i]);
+    if (length == 0.0) continue;
+    pace.speed = std::min(pace.speed, speeds[i] / length);
+    pace.acceleration = std::min(pace.acceleration, accelerations[i] / length);
+  }
+  return pace;
+}
+
 MotorMove::MotorMove(double from_rad, double to_rad, const MotorDrive& drive)
     : from_(from_rad),
       to_(to_rad),

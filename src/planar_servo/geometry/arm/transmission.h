@@ -91,6 +91,16 @@ class Transmission {
   Eigen::Vector3d K_;
 };
 
+/// How fast a straight move may be: parts of its way per second, and per second squared.
+struct StraightPace {
+  double speed{0.0}, acceleration{0.0};
+};
+
+/// Returns the fastest pace of a straight way at which no motor exceeds its own speed and
+/// acceleration, which are in the units of the way; infinite where there is no way.
+StraightPace straight_pace(const Eigen::Vector3d& way, const Eigen::Vector3d& speeds,
+                           const Eigen::Vector3d& accelerations);
+
 /// A motor's move from rest to rest as its drive makes it: at its full acceleration to its full
 /// speed, and back to rest; a short one never reaches that speed. Radians behind the gear.
 class MotorMove {

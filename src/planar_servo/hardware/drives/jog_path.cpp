@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
+#include "planar_servo/geometry/arm/transmission.h"
 #include "planar_servo/hardware/drives/grbl_protocol.h"
 
 namespace planar {
@@ -32,14 +32,12 @@ JogPath::JogPath(const AxisPulses& from, const AxisPulses& to,
   length_ = way.norm();
   if (length_ == 0.0) return;
   direction_ = way / length_;
-  speed_ = acceleration_ = std::numeric_limits<double>::max();
-  for (int i = 0; i < 3; ++i) {
-    const AxisLimits& axis = limits[static_cast<std::size_t>(i)];
-    const double share = std::abs(direction_[i]);
-    if (share == 0.0) continue;
-    speed_ = std::min(speed_, axis.speed_mm_s / share);
-    acceleration_ = std::min(acceleration_, axis.acceleration_mm_s2 / share);
-  }
+  const auto& [x, y, z] = limits;
+  const StraightPace pace =
+      straight_pace(direction_, {x.speed_mm_s, y.speed_mm_s, z.speed_mm_s},
+                    {x.acceleration_mm_s2, y.acceleration_mm_s2, z.acceleration_mm_s2});
+  speed_ = pace.speed;
+  acceleration_ = pace.acceleration;
 }
 
 Eigen::Vector3d JogPath::in_mm(const AxisPulses& pulses) const {

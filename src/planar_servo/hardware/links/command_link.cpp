@@ -19,7 +19,6 @@
 namespace planar {
 namespace {
 
-/// A machine that is switched on may take this long before it greets.
 /// After its input has ended, and again after SIGTERM.
 constexpr double kEndPatience_s = 1.0;
 constexpr char kSeeProtocol[] = "see doc/motion_program.md";

@@ -68,9 +68,13 @@ Ini values_in(std::istream& ini) {
   return values;
 }
 
-double number_in(const Ini& ini, const std::string& key) {
+std::string text_in(const Ini& ini, const std::string& key) {
   const auto found = ini.find(key);
-  return found == ini.end() ? 0.0 : std::atof(found->second.c_str());
+  return found == ini.end() ? "" : found->second;
+}
+
+double number_in(const Ini& ini, const std::string& key) {
+  return std::atof(text_in(ini, key).c_str());
 }
 
 /// Returns how a joint that is homed where it stands would move by that; empty when it would not.
@@ -90,20 +94,16 @@ std::string motion_in_homing(const Ini& ini, const std::string& joint) {
 
 /// Returns what an INI file says that the cell does not; empty when it agrees.
 std::string contradiction(const Ini& ini, const LinuxcncHost& host) {
-  const auto value = [&](const std::string& key) {
-    const auto found = ini.find(key);
-    return found == ini.end() ? std::string() : found->second;
-  };
   for (std::size_t i = 0; i < 3; ++i) {
     const LinuxcncJoint& joint = host.joints[i];
     const std::string section = fmt::format("JOINT_{}", joint.number);
-    if (value(section + ".TYPE").empty())
+    if (text_in(ini, section + ".TYPE").empty())
       return fmt::format("[{}] is missing, where drives[{}] says joint: {}", section, i,
                          joint.number);
-    if (value(section + ".TYPE") != "ANGULAR")
+    if (text_in(ini, section + ".TYPE") != "ANGULAR")
       return fmt::format("[{}]TYPE is {}, where the cell's joints turn: ANGULAR is needed", section,
-                         value(section + ".TYPE"));
-    if (const std::string axes = value("TRAJ.COORDINATES");
+                         text_in(ini, section + ".TYPE"));
+    if (const std::string axes = text_in(ini, "TRAJ.COORDINATES");
         static_cast<int>(axes.find(joint.axis)) != joint.number && !axes.empty() &&
         axes.find(' ') == axes.npos)
       return fmt::format("[TRAJ]COORDINATES is {}, by which joint {} is not axis {}", axes,
@@ -129,7 +129,7 @@ std::string contradiction(const Ini& ini, const LinuxcncHost& host) {
     if (joint.has_switch) continue;
     if (std::string motion = motion_in_homing(ini, section); !motion.empty()) return motion;
   }
-  const std::string unit = value("TRAJ.ANGULAR_UNITS");
+  const std::string unit = text_in(ini, "TRAJ.ANGULAR_UNITS");
   return unit.empty() || unit.rfind("deg", 0) == 0
              ? ""
              : fmt::format("[TRAJ]ANGULAR_UNITS is {}, where degree is needed", unit);

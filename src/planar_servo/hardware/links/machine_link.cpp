@@ -6,14 +6,10 @@
 namespace planar {
 
 MoveTime time_of(const Pulses& way, const std::array<DriveLimits, 3>& limits) {
-  // Of the share of the way that is done, per second and per second squared.
-  double speed = HUGE_VAL, acceleration = HUGE_VAL;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double length = std::abs(static_cast<double>(way[static_cast<int>(i)]));
-    if (length == 0.0) continue;
-    speed = std::min(speed, limits[i].speed_pulses_s / length);
-    acceleration = std::min(acceleration, limits[i].acceleration_pulses_s2 / length);
-  }
+  const auto& [first, second, third] = limits;
+  const auto [speed, acceleration] = straight_pace(
+      way.cast<double>(), {first.speed_pulses_s, second.speed_pulses_s, third.speed_pulses_s},
+      {first.acceleration_pulses_s2, second.acceleration_pulses_s2, third.acceleration_pulses_s2});
   if (std::isinf(speed)) return {};
   const double ramp_s = std::min(speed / acceleration, std::sqrt(1.0 / acceleration));
   return {1.0 / (acceleration * ramp_s) + ramp_s, ramp_s};

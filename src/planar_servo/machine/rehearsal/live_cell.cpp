@@ -14,6 +14,7 @@
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/csv_fields.h"
 
 namespace planar {
 namespace {
@@ -70,10 +71,9 @@ std::string handle_work(const Words& words, VirtualCell& cell) {
   std::array<double, 3> at{};
   if (words.size() != 1 + at.size()) return "";
   for (std::size_t i = 0; i < at.size(); ++i) {
-    const std::string& word = words[1 + i];
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), at[i]);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(at[i]))
-      return "";
+    const auto number = finite_number(words[1 + i]);
+    if (!number) return "";
+    at[i] = *number;
   }
   const Eigen::Vector2d p_B = Eigen::Vector2d(at[0], at[1]) * kMillimetre;
   return cell.lay_work(p_B, at[2] * kDegree)

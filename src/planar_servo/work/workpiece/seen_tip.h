@@ -32,8 +32,8 @@ SeenTip see_tip(const std::vector<Frame>& frames, const std::vector<TipAtMark>& 
 void require_height(const TaughtTip& taught, const SeenTip& seen, const VisionCalibration& vision,
                     const std::vector<TipAtMark>& poses);
 
-/// Adds to the tip's covariance what the disc's height leaves in doubt: a tip that is higher than
-/// stated is seen as if the tool were as much larger.
+/// Adds to the tip's covariance what the disc's height leaves in doubt: of a disc that is higher
+/// than stated the offset is seen larger, by the height's part of the camera's.
 void add_height_doubt(TaughtTip& taught, const VisionCalibration& vision, const Fiducial& form);
 
 }  // namespace planar
