@@ -1,6 +1,8 @@
 #include "planar_servo/learn/field/lay_information.h"
 
+#include <Eigen/LU>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "field/bent_cell.h"
 #include "planar_servo/base/core/decompositions.h"
@@ -146,6 +148,36 @@ TEST_CASE("Lays that are only shifted are refused where no reading helps them") 
                     Catch::Contains("6 lays") && Catch::Contains("only shifted") &&
                         Catch::Contains("45 to 90 degrees"));
   CHECK_NOTHROW(estimate_jointly(cell.nominal(), cell.samples(20, 40, random), shifted));
+}
+
+TEST_CASE("Lamps that are shifted beside all marks leave what the marks tell of each other") {
+  LaidDots laid;
+  laid.lamps_shift_sigma = 8e-6;
+  laid.marks = {{{0.3, 0.1}, {0.30002, 0.1}, 3e-6},
+                {{-0.2, 0.2}, {-0.2, 0.20001}, 5e-6},
+                {{0.1, -0.4}, {0.10001, -0.4}, 4e-6}};
+  const LayInformation told = lay_information(laid, kBasis, 1.0);
+  Eigen::Matrix3d C = Eigen::Matrix3d::Constant(std::pow(laid.lamps_shift_sigma, 2));
+  Eigen::MatrixXd B(3, kBasis.terms()), z(3, 2);
+  double log_variances = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const MarkSight& mark = laid.marks[static_cast<std::size_t>(i)];
+    C(i, i) += mark.sigma * mark.sigma;
+    log_variances += std::log(mark.sigma * mark.sigma);
+    B.row(i) = kBasis.at(mark.seen_B);
+    z.row(i) = (mark.seen_B - mark.p_B).transpose();
+  }
+  const Eigen::Matrix3d weight = C.inverse();
+  const Eigen::MatrixXd H = B.transpose() * weight * B, right = B.transpose() * weight * z;
+  const Eigen::Index n = kBasis.terms();
+  CHECK((told.H.topLeftCorner(n, n) - H).norm() < 1e-6 * H.norm());
+  CHECK((told.H.bottomRightCorner(n, n) - H).norm() < 1e-6 * H.norm());
+  CHECK(told.H.topRightCorner(n, n).isZero(0.0));
+  CHECK((told.right.head(n) - right.col(0)).norm() < 1e-6 * right.norm());
+  CHECK((told.right.tail(n) - right.col(1)).norm() < 1e-6 * right.norm());
+  CHECK(told.squares == Approx((z.transpose() * weight * z).trace()).epsilon(1e-6));
+  CHECK(told.log_determinant ==
+        Approx(2.0 * (std::log(C.determinant()) - log_variances)).epsilon(1e-6));
 }
 
 }  // namespace
