@@ -53,6 +53,8 @@ def start_linuxcnc(folder):
     """Starts LinuxCNC with a sampler, whose lines of joints become counts in the pipe."""
     configuration = folder / "configuration"
     shutil.copytree(ROOT.parent / "shared/firmware/linuxcnc", configuration)
+    ini = configuration / "planar.ini"  # LinuxCNC's limits count from where its joints stand as they are homed
+    ini.write_text(re.sub(r"(M.._LIMIT = -?)(\d+)", lambda found: found[1] + str(2 * int(found[2])), ini.read_text()))
     with open(configuration / "planar.hal", "a", encoding="ascii") as hal:
         hal.write("loadrt sampler depth=4000 cfg=fff\naddf sampler.0 servo-thread\n"
                   + "".join(f"net j{i} => sampler.0.pin.{i}\n" for i in range(3)))

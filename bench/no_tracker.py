@@ -155,4 +155,5 @@ def main():
               f"{100 * statistics.mean(shares):.0f} % within the stated 95 %", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -64,6 +64,7 @@ struct BoardRobot : GrblBench {
       robot.move_to(kFarAhead);
     } catch (const DriveError& error) {
       message = error.what();
+      by_hand = dynamic_cast<const StoppedByHand*>(&error) != nullptr;
     }
     cause.join();
     return message;
@@ -94,6 +95,7 @@ struct BoardRobot : GrblBench {
     for (const DriveStatus& drive : status) CHECK(drive.position_pulses == 400);
   }
 
+  bool by_hand{false};  ///< the last move was stopped so, as its failure says
   GrblDrives drives;
   Transmission transmission;
   SteadyClock clock;
@@ -143,12 +145,14 @@ TEST_CASE("An alarm is explained in words and asks for homing") {
   BoardRobot bench(HomeReference::kForwardSwitch);
   CHECK_THAT(bench.failure_of_move([&] { bench.board.raise_alarm(17); }),
              Contains("alarm 17: a motor driver reports a fault"));
+  CHECK_FALSE(bench.by_hand);
   bench.check_recovery(false);
 }
 
 TEST_CASE("A reset in motion asks for homing") {
   BoardRobot bench;
   CHECK_THAT(bench.failure_of_move([&] { bench.board.press_reset(); }), Contains("it was reset"));
+  CHECK(bench.by_hand);
   bench.check_recovery(false);
 }
 
@@ -156,6 +160,7 @@ TEST_CASE("A hold by hand stops the arm and keeps its position") {
   BoardRobot bench;
   CHECK_THAT(bench.failure_of_move([&] { bench.board.press_hold(); }),
              Contains("it has stopped on its way"));
+  CHECK(bench.by_hand);
   bench.check_recovery(true);
 }
 
@@ -174,6 +179,7 @@ TEST_CASE("A board on hold at rest is resumed when it is switched on again") {
   BoardRobot bench;
   bench.board.press_hold();
   CHECK_THROWS_WITH(bench.robot.move_to(kAhead), Contains("it is on hold"));
+  CHECK_THROWS_AS(bench.robot.move_to(kAhead), StoppedByHand);
   bench.check_recovery(true);
 }
 

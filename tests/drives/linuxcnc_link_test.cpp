@@ -186,6 +186,7 @@ TEST_CASE("LinuxCNC's emergency stop ends a move, and the position with it") {
   stranger.say("set estop on");
   REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
   CHECK_FALSE(drives.status()[0].position_certain);
+  CHECK(drives.status()[0].stopped_by_hand);
   REQUIRE(all_rest(drives));
   CHECK_THROWS_AS(drives.set_targets({0, 0, 0}), DriveError);
   drives.energize();
@@ -229,6 +230,7 @@ TEST_CASE("Another client that takes LinuxCNC or moves it is noticed") {
     stranger.say("set enable EMCTOO");
     REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
     CHECK_THAT(drives.status()[0].faults.front(), Contains("another client"));
+    CHECK(drives.status()[0].stopped_by_hand);
     CHECK_FALSE(drives.status()[0].position_certain);
     drives.halt();
   }
@@ -353,16 +355,18 @@ TEST_CASE(
       make_ready(drives);
       drives.set_targets({45000, -20000, 10000});
       wait(drives, strikes_s);
-      {
-        std::optional<Stranger> stranger;
-        if (fault < kCut) stranger.emplace();
-        if (fault == kEstop) stranger->say("set estop on");
-        if (fault == kOff) stranger->say("set machine off");
-        if (fault == kStopped) stranger->say("set abort");
+      std::thread strike([&] {  // while the drives are asked, or else DeadMansHandle brakes
         if (fault == kCut) wire.state = Wire::State::kCut;
         if (fault == kMute) wire.state = Wire::State::kMute;
-        struck = test::wait_for_fault(drives);
-      }
+        if (fault >= kCut) return;
+        RshConnection stranger(machine());
+        stranger.ask("set enable EMCTOO");
+        if (fault == kEstop) stranger.ask("set estop on");
+        if (fault == kOff) stranger.ask("set machine off");
+        if (fault == kStopped) stranger.ask("set abort");
+      });
+      struck = test::wait_for_fault(drives);
+      strike.join();
       CHECK(struck.rests);
       CHECK_THAT(struck.said, Contains(kSaid[fault]));
       if (fault == kStopped)  // seen by the rest, or by who has the control

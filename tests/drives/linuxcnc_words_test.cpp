@@ -203,6 +203,26 @@ TEST_CASE("A joint that would move as LinuxCNC homes it where it stands is refus
   CHECK_THAT(refusal_with("HOME_LATCH_VEL = 1\n"), Contains("[JOINT_2]HOME_LATCH_VEL is 1"));
 }
 
+TEST_CASE("A move beyond the limits of LinuxCNC's own INI is refused, and nothing is lost") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  const test::TemporaryFolder folder;
+  std::string ini = "[AXIS_B]\nMAX_LIMIT = 1.5\n";
+  for (const char* joint : {"0", "1", "2"})
+    ini += std::string("[JOINT_") + joint +
+           "]\nTYPE = ANGULAR\nMAX_VELOCITY = 30\nMAX_ACCELERATION = 300\nMIN_LIMIT = -3\n";
+  rsh.say("inifile", folder.write("machine.ini", ini).string());
+  LinkedDrives drives = rsh.drives();
+  test::make_ready(drives);
+  CHECK_THROWS_WITH(drives.set_targets({0, 2000, 0}),
+                    Contains("joint 1 would go to 2.000 deg") && Contains("-3 to 1.5 deg"));
+  CHECK_THROWS_WITH(drives.set_targets({0, 0, -3001}), Contains("joint 2 would go to -3.001 deg"));
+  CHECK(rsh.told("set mdi").empty());
+  CHECK(rests(drives));
+  for (const DriveStatus& drive : drives.status()) CHECK(drive.position_certain);
+  CHECK_NOTHROW(drives.set_targets({2000, 1500, -3000}));
+}
+
 /// A program that moves until it is suspended.
 [[noreturn]] void move_on(const LinuxcncHost& host) {
   setpgid(0, 0);

@@ -161,6 +161,7 @@ TEST_CASE("A low supply and a kill switch halt all drives until they are gone") 
   CHECK_THAT(bench.failure_of_move([&] { bench.tics[2].press_kill_switch(true); }),
              Contains("drive 3 failed on its way: kill switch active"));
   CHECK(bench.nothing_turns());
+  CHECK_THROWS_AS(bench.robot.move_to(kNear), StoppedByHand);
   bench.tics[2].press_kill_switch(false);
   bench.check_recovery();
 }

@@ -105,6 +105,10 @@ TEST_CASE("A device is written as it stands") {
   CHECK_NOTHROW(require_writable(folder / "nowhere", "map"));
 }
 
+TEST_CASE("A file whose reading fails on the way is refused, never taken as a shorter one") {
+  CHECK_THROWS_WITH(read_file("/proc/self/mem"), Contains("cannot be read to its end"));
+}
+
 TEST_CASE("A place that could not be written is refused before the work") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("map.yaml", "format: planar-servo/map/1\n");

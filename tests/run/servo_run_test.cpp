@@ -29,6 +29,7 @@ class FlakyDrive final : public PulseDrive {
   explicit FlakyDrive(Clock& clock) : clock_(clock), drive_(clock) {}
 
   bool fails{true};
+  bool by_hand{false};  ///< a person stops it
   int failures{0};
   double recovery_s{0.0};  ///< what it takes to switch it on after a failure
 
@@ -46,7 +47,8 @@ class FlakyDrive final : public PulseDrive {
   DriveStatus status() override {
     DriveStatus status = drive_.status();
     failing_ = fails && status.moving;
-    if (failing_) status.faults.emplace_back("low supply voltage");
+    if (failing_) status.faults.emplace_back("its link is down");
+    status.stopped_by_hand = failing_ && by_hand;
     return status;
   }
   void start_homing(HomeDirection direction) override { drive_.start_homing(direction); }
@@ -224,6 +226,19 @@ TEST_CASE("A camera that is not back within a minute ends the run without a resu
   CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
                     Catch::Contains("not back within 60 s") && Catch::Contains("start again"));
   CHECK(devices.clock().now_s() - start_s >= 60.0);
+  CHECK_FALSE(run.has("a"));
+}
+
+TEST_CASE("An arm that a person stops is not switched on again by the run") {
+  const test::TemporaryFolder folder;
+  FlakyCell devices;
+  devices.flaky.by_hand = true;
+  ServoRequest request = ideal_request(folder);
+  request.policy.checks_health = false;
+  ServoRun run(request, devices);
+  CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), StoppedByHand);
+  CHECK(devices.flaky.failures == 1);
+  CHECK(devices.lost.asked == 0);
   CHECK_FALSE(run.has("a"));
 }
 

@@ -19,6 +19,8 @@ struct DriveStatus {
   bool homing{false};                 ///< whether the drive is moving to its home switch
   bool answers{true};                 ///< false when out of touch; then only `faults` is valid
   std::vector<std::string> faults{};  ///< in words; empty when the drive is well
+  /// Whether a person or a safety circuit may have stopped it, as by a hold or an emergency stop.
+  bool stopped_by_hand{false};
 };
 
 struct DriveLimits {
@@ -54,6 +56,12 @@ class PulseDrive {
 class DriveError : public WorkError {
  public:
   using WorkError::WorkError;
+};
+
+/// A person or a safety circuit stopped the arm: nobody but a person may have it move again.
+class StoppedByHand : public DriveError {
+ public:
+  using DriveError::DriveError;
 };
 
 /// Commands the three motors of an arm at the same time. Joints count from 0; error messages number

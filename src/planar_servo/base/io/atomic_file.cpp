@@ -10,8 +10,8 @@
 #include <cerrno>
 #include <fstream>
 #include <initializer_list>
+#include <iterator>
 #include <set>
-#include <sstream>
 #include <system_error>
 
 #include "planar_servo/base/core/error.h"
@@ -203,9 +203,13 @@ std::ifstream open_file(const fs::path& path) {
 }
 
 std::string read_file(const fs::path& path) {
-  std::ostringstream text;
-  text << open_file(path).rdbuf();
-  return text.str();
+  std::ifstream in = open_file(path);
+  try {
+    return {std::istreambuf_iterator<char>(in), {}};
+  } catch (const std::ios_base::failure&) {
+    throw InputError(
+        {"cannot be read to its end", "check the disk or network where it lies", path});
+  }
 }
 
 void require_not_input(const fs::path& output, const fs::path& input) {

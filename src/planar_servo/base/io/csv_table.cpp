@@ -7,7 +7,6 @@
 #include <cctype>
 #include <charconv>
 #include <cstring>
-#include <sstream>
 #include <utility>
 
 #include "planar_servo/base/io/atomic_file.h"
@@ -92,11 +91,6 @@ std::vector<std::string> misnamed_columns(const std::vector<std::string>& column
     if (!ours.empty()) texts.push_back(fmt::format("{} is probably {}", name, with_unit(ours)));
   }
   return texts;
-}
-
-std::unique_ptr<std::istream> opened(const CsvSource& source) {
-  if (source.text) return std::make_unique<std::istringstream>(*source.text);
-  return std::make_unique<std::ifstream>(open_file(source.path));
 }
 
 }  // namespace
@@ -332,7 +326,7 @@ CsvFile::CsvFile(const CsvSource& source, const std::string& kind,
                  const std::vector<std::string>& required, const CsvDialect& dialect,
                  UnendedRow unended, const std::vector<std::string>& optional)
     : CsvTable(source.path, kind, required, dialect, optional),
-      in_(opened(source)),
+      in_(source.text ? *source.text : read_file(source.path)),
       unended_(unended) {
   while (!has_header()) {
     if (!next_line())
@@ -348,7 +342,7 @@ CsvFile::CsvFile(const CsvSource& source, const std::string& kind,
 bool CsvFile::next_row() {
   while (next_line()) {
     if (!take_line(buffer_, line_begin_)) continue;
-    if (in_->eof()) question_unended_row();
+    if (in_.eof()) question_unended_row();
     return true;
   }
   return false;
@@ -363,13 +357,10 @@ void CsvFile::question_unended_row() {
 
 bool CsvFile::next_line() {
   line_begin_ = ++lines_;
-  if (!std::getline(*in_, buffer_)) {
-    if (in_->bad()) throw InputError({"cannot be read to its end", "", source()});
-    return false;
-  }
+  if (!std::getline(in_, buffer_)) return false;
   if (buffer_.find('"') == std::string::npos || is_comment(buffer_)) return true;
   bool in_quotes = ends_in_quotes(buffer_, false, separator());
-  for (std::string more; in_quotes && std::getline(*in_, more); ++lines_) {
+  for (std::string more; in_quotes && std::getline(in_, more); ++lines_) {
     in_quotes = ends_in_quotes(more, true, separator());
     buffer_ += '\n' + more;
   }

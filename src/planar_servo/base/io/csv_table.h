@@ -2,12 +2,10 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <istream>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -151,7 +149,7 @@ class CsvFile : public CsvTable {
   bool next_line();
   void question_unended_row();
 
-  std::unique_ptr<std::istream> in_;
+  std::istringstream in_;
   UnendedRow unended_;
   std::string buffer_;
   int lines_{0};

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
@@ -74,7 +74,7 @@ std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
   named.csv.renamed_columns.emplace("id", "id");
   if (by_time) named.csv.renamed_columns.emplace("t_s", "t_s");
   TrackerLines lines(path.string(), named);
-  std::ifstream in = open_file(path);
+  std::istringstream in(read_file(path));
   std::vector<TrackerRow> rows;
   std::optional<InputError> title;
   Faults faults;

@@ -175,11 +175,12 @@ void GrblAxes::take(const grbl::Line& line) {
   } else if (const auto* alarm = std::get_if<grbl::Alarm>(&line)) {
     lose_state();
     alarmed_ = true;
+    stopped_by_hand_ = stopped_by_hand_ || grbl::is_by_hand(alarm->number);
     brake_for(grbl::alarm_words(alarm->number) +
               (watch_.inputs_on().empty() ? "" : " (inputs on: " + watch_.inputs_on() + ")"));
   } else if (std::holds_alternative<grbl::Banner>(line)) {
     lose_state();
-    if (!alarmed_) brake_for("it was reset, or lost power for a moment");
+    if (!alarmed_) stop_by_hand("it was reset, or lost power for a moment");
   } else if (const auto* garbage = std::get_if<grbl::Garbage>(&line)) {
     if (watch_.minds(*garbage))
       brake_for(fmt::format("it says '{}', which is not Grbl's (check its cable and its baud rate)",
@@ -205,7 +206,7 @@ void GrblAxes::judge() {
     brake();
   }
   if (may_move_ && !state_words().empty()) brake();
-  if (reads_no_longer()) brake_for(kStoppedWords);
+  if (reads_no_longer()) stop_by_hand(kStoppedWords);
   follow();
 }
 
@@ -243,7 +244,7 @@ bool GrblAxes::has_ended() {
   const bool stopped_before = stopped_seen_;
   stopped_seen_ = path_ && here() != path_->sent();
   if (stopped_seen_ && !stopped_before) return false;
-  if (stopped_seen_) brake_for(kStoppedWords);
+  if (stopped_seen_) stop_by_hand(kStoppedWords);
   return !path_ || path_->all_sent();
 }
 
@@ -280,7 +281,7 @@ void GrblAxes::unlock() {
   else if (state != State::kIdle && !may_move_)
     reset();
   for (auto& faults : faults_) faults.clear();
-  alarmed_ = false;
+  alarmed_ = stopped_by_hand_ = false;
   unlocked_ = poll_until([this] { return board_.unanswered() == 0 && state_words().empty(); },
                          kStatePatience_s);
 }
@@ -335,6 +336,15 @@ void GrblAxes::brake_for(const std::string& words) {
   brake();
   if (faults_[0].empty()) note_fault(board_.sharers(""));
   note_fault(words);
+}
+
+void GrblAxes::stop_by_hand(const std::string& words) {
+  stopped_by_hand_ = true;
+  brake_for(words);
+}
+
+bool GrblAxes::stopped_by_hand() const {
+  return stopped_by_hand_ || grbl::is_by_hand(watch_.state());
 }
 
 void GrblAxes::note_fault(const std::string& words) {

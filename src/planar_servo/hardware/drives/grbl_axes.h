@@ -106,6 +106,9 @@ class GrblAxes {
   bool unlocked() const { return unlocked_; }
   /// Returns the board's state as a fault, in words. Empty when it can take moves.
   std::string state_words() const { return grbl::state_words(watch_.state()); }
+  /// Returns whether a person or a safety circuit has stopped it since it was unlocked, or may
+  /// have.
+  bool stopped_by_hand() const;
   /// Returns how often the axes' position was lost.
   int losses() const { return losses_; }
   /// Returns what is wrong with an axis, 0 for X to 2 for Z.
@@ -128,6 +131,7 @@ class GrblAxes {
   void begin_path(const AxisPulses& from);
   void brake();
   void brake_for(const std::string& words);
+  void stop_by_hand(const std::string& words);
   void note_fault(const std::string& words);
   void lose_state();
   void lose_place();
@@ -139,7 +143,8 @@ class GrblAxes {
   GrblBoard board_;
   std::array<std::vector<std::string>, 3> faults_;
   int losses_{0};
-  bool alarmed_{false};  ///< since it was unlocked; a board restarts after a failed search
+  bool stopped_by_hand_{false};  ///< since it was unlocked
+  bool alarmed_{false};          ///< since it was unlocked; a board restarts after a failed search
   bool unlocked_{false}, may_move_{false}, braking_{false};
   bool searching_{false}, found_switches_{false};
   bool stopped_seen_{false};  ///< by the last report

@@ -76,7 +76,8 @@ bool shares(const fs::path& process, const struct stat& port) {
     if (stat(at->path().c_str(), &about) != 0 || !S_ISCHR(about.st_mode)) continue;
     has_it = has_it || (about.st_rdev == port.st_rdev && about.st_dev == port.st_dev);
     std::ifstream file(process / "fdinfo" / at->path().filename());
-    const std::string info(std::istreambuf_iterator<char>(file), {});
+    std::string info;
+    std::getline(file, info, '\0');
     if (is_pseudo_terminal(port) && info.find(played) != std::string::npos) return false;
   }
   return has_it;

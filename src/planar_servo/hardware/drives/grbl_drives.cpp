@@ -160,6 +160,7 @@ DriveStatus GrblDrives::status_of(std::size_t joint) const {
   status.homing = homing_joint_ == joint;
   status.faults = axes_->faults(axis(joint).index());
   if (!state.empty()) status.faults.push_back(state);
+  status.stopped_by_hand = axes_->stopped_by_hand();
   return status;
 }
 

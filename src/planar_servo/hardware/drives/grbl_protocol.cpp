@@ -396,6 +396,16 @@ std::string alarm_words(int number) {
   return words_in(kGrblAlarms, "alarm", number);
 }
 
+bool is_by_hand(State state) {
+  return state == State::kHold || state == State::kDoor || state == State::kRun;
+}
+
+bool is_by_hand(int alarm) {
+  constexpr std::array kResetsDoorAndStop{3, 6, 7, 10};
+  return std::find(kResetsDoorAndStop.begin(), kResetsDoorAndStop.end(), alarm) !=
+         kResetsDoorAndStop.end();
+}
+
 std::string error_words(int number) {
   return words_in(kGrblErrors, "error", number);
 }

@@ -89,6 +89,10 @@ bool is_supported(const Banner& version);
 
 /// Returns what an alarm or an error means, with its number: "alarm 1: a limit switch was hit".
 std::string alarm_words(int number);
+
+/// Returns whether a person or a safety circuit brings a board into this state, or this alarm.
+bool is_by_hand(State state);
+bool is_by_hand(int alarm);
 std::string error_words(int number);
 /// Returns the state as a fault, in words. Empty for states in which a board can take moves.
 std::string state_words(State state);

@@ -32,6 +32,8 @@ constexpr Named<std::uint16_t> kProducts[] = {{0x00b3, "Tic T825"}, {0x00b5, "Ti
                                               {0x00bd, "Tic T500"}, {0x00c3, "Tic N825"},
                                               {0x00c9, "Tic T249"}, {0x00cb, "Tic 36v4"}};
 
+/// The bits for low supply, as where an emergency stop cuts the motors' power, and kill switch.
+constexpr unsigned kStoppedByHand = 1U << 2 | 1U << 3;
 /// The bits for driver error, serial error, command timeout and safe start.
 constexpr unsigned kClearedByCommands = 1U << 1 | 1U << 5 | 1U << 6 | 1U << 7;
 
@@ -122,6 +124,7 @@ DriveStatus StatusBlock::drive_status() const {
   status.position_certain = position_certain();
   status.homing = homing();
   status.faults = faults();
+  status.stopped_by_hand = !errors_among(kStoppedByHand).empty();
   return status;
 }
 

@@ -236,6 +236,7 @@ DriveStatus LinkedDrives::status_of(std::size_t joint) const {
   status.homing = homing_joint_ == joint;
   status.faults = state_.faults;
   if (!missed_.empty()) status.faults.push_back(missed_);
+  status.stopped_by_hand = state_.stopped_by_hand || !missed_.empty();
   return status;
 }
 

@@ -73,8 +73,9 @@ std::string text_in(const Ini& ini, const std::string& key) {
   return found == ini.end() ? "" : found->second;
 }
 
-double number_in(const Ini& ini, const std::string& key) {
-  return std::atof(text_in(ini, key).c_str());
+double number_in(const Ini& ini, const std::string& key, double absent = 0.0) {
+  const std::string text = text_in(ini, key);
+  return text.empty() ? absent : std::atof(text.c_str());
 }
 
 /// Returns how a joint that is homed where it stands would move by that; empty when it would not.
@@ -90,6 +91,18 @@ std::string motion_in_homing(const Ini& ini, const std::string& joint) {
       "[{}]HOME is {:g} and HOME_OFFSET {:g}, so that the joint moves as it is switched on: they "
       "must be the same",
       joint, home, offset);
+}
+
+/// Returns between which angles LinuxCNC moves a joint, as it counts them itself.
+LinuxcncRoom room_in(const Ini& ini, const LinuxcncJoint& joint) {
+  LinuxcncRoom room;
+  for (const auto& section :
+       {fmt::format("JOINT_{}", joint.number), fmt::format("AXIS_{}", joint.axis)}) {
+    room.least_deg =
+        std::max(room.least_deg, number_in(ini, section + ".MIN_LIMIT", room.least_deg));
+    room.most_deg = std::min(room.most_deg, number_in(ini, section + ".MAX_LIMIT", room.most_deg));
+  }
+  return room;
 }
 
 /// Returns what an INI file says that the cell does not; empty when it agrees.
@@ -286,16 +299,33 @@ LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
       stopper_(host),
       handle_(stopper_, stop_words(host)) {
   const std::string path = reader_.get("inifile");
-  std::ifstream ini(path);
-  if (!ini) {
+  std::ifstream file(path);
+  const Ini ini = values_in(file);
+  if (ini.empty()) {
     unchecked_ = fmt::format(
         "{} is no file of this machine: compare its units, limits and joints "
         "with the cell file yourself",
         path);
-  } else if (const std::string wrong = contradiction(values_in(ini), host_); !wrong.empty()) {
+  } else if (const std::string wrong = contradiction(ini, host_); !wrong.empty()) {
     throw WorkError({fmt::format("{}: {}", path, wrong), "correct it or the cell file"});
   }
+  for (std::size_t i = 0; i < 3; ++i) rooms_[i] = room_in(ini, host_.joints[i]);
   here_ = counts();
+}
+
+/// LinuxCNC would take the line, and not begin.
+void LinuxcncLink::require_room(const Pulses& counts) const {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LinuxcncJoint& joint = host_.joints[i];
+    const double angle_deg = counts[static_cast<int>(i)] / joint.counts_per_deg;
+    if (angle_deg >= rooms_[i].least_deg && angle_deg <= rooms_[i].most_deg) continue;
+    throw MachineRefusal(
+        {fmt::format(
+             "joint {0} would go to {1:.3f} deg as LinuxCNC counts, which its INI lets move "
+             "from {2:g} to {3:g} deg ([JOINT_{0}] and [AXIS_{4}])",
+             joint.number, angle_deg, rooms_[i].least_deg, rooms_[i].most_deg, joint.axis),
+         "widen MIN_LIMIT and MAX_LIMIT there: LinuxCNC counts from where it was homed"});
+  }
 }
 
 void LinuxcncLink::set(const std::string& what) {
@@ -349,6 +379,7 @@ void LinuxcncLink::note_who_controls(const std::string& stranger) {
   controls_ = false;
   const bool is_ours = ends(stopper_.get("enable"), "ON");
   if (!is_ours) ++losses_;
+  is_strangers_ = !is_ours;
   refused_ = is_ours ? fmt::format(
                            "LinuxCNC was stopped because this program did not ask for "
                            "{:.2f} s where it is: the computer is too busy",
@@ -358,6 +389,7 @@ void LinuxcncLink::note_who_controls(const std::string& stranger) {
 
 void LinuxcncLink::switch_on() {
   refused_.clear();
+  is_strangers_ = false;
   controls_ = false;
   take_control();
   const auto is = [&](const char* what, const char* how) {
@@ -404,6 +436,7 @@ void LinuxcncLink::search_home(int joint, HomeDirection /*direction*/) {
 }
 
 void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) {
+  require_room(counts);
   take_control();
   if (reader_.get("mode") != "MDI") set("mode mdi");
   here_ = this->counts();
@@ -472,7 +505,8 @@ MachineState LinuxcncLink::state_now() {
     std::this_thread::sleep_for(kApart);
     look();
   }
-  if (was_switched_on_ && !state.on)
+  state.stopped_by_hand = was_switched_on_ && !state.on;
+  if (state.stopped_by_hand)
     state.faults.emplace_back(
         is_stopped ? "LinuxCNC's emergency stop is pressed"
                    : "LinuxCNC's machine is off: its emergency stop, a fault or another client "
@@ -488,7 +522,6 @@ MachineState LinuxcncLink::state_now() {
             fmt::format("joint {} of LinuxCNC reports {} {}", number, what, said[number]));
     }
   }
-  if (!refused_.empty()) state.faults.push_back(refused_);
   return state;
 }
 
@@ -503,7 +536,6 @@ MachineState LinuxcncLink::read() {
   // Motors without current stand anywhere.
   if (was_on_ && !state.on) ++losses_;
   was_on_ = state.on;
-  state.losses = losses_;
   const bool is_idle = reader_.get("program_status").find("IDLE") != std::string::npos;
   const bool is_there = target_ && (here_ - *target_).cwiseAbs().maxCoeff() <= kInPosition_counts;
   const bool may_begin =
@@ -518,11 +550,15 @@ MachineState LinuxcncLink::read() {
   handle_.hold(state.moving);
   // A line may get lost where another client asks at the same moment.
   if (state.moving && told_to_stop_ && now - *told_to_stop_ > kStopRepeat) stop();
-  if (state.moving) return state;
-  told_to_stop_.reset();
-  stopping_since_.reset();
-  if (!rests_) check_control();
-  rests_ = true;
+  if (!state.moving) {
+    told_to_stop_.reset();
+    stopping_since_.reset();
+    if (!rests_) check_control();
+    rests_ = true;
+  }
+  state.losses = losses_;
+  if (!refused_.empty()) state.faults.push_back(refused_);
+  state.stopped_by_hand = state.stopped_by_hand || is_strangers_;
   return state;
 }
 

@@ -4,7 +4,7 @@
 
 #include <array>
 #include <chrono>
-#include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,6 +25,12 @@ struct LinuxcncJoint {
   bool has_switch{false};
   double counts_per_deg{1.0};  ///< a count is what the cell file calls a pulse
   DriveLimits rated;           ///< of the cell
+};
+
+/// Between which angles LinuxCNC moves a joint, counted from where LinuxCNC has homed it.
+struct LinuxcncRoom {
+  double least_deg{-std::numeric_limits<double>::infinity()};
+  double most_deg{std::numeric_limits<double>::infinity()};
 };
 
 /// Where LinuxCNC's linuxcncrsh listens.
@@ -101,6 +107,7 @@ class LinuxcncLink final : public MachineLink {
  private:
   using Clock = std::chrono::steady_clock;
 
+  void require_room(const Pulses& counts) const;
   void set(const std::string& what);
   void take_control();
   bool is_homed(int joint);
@@ -117,10 +124,12 @@ class LinuxcncLink final : public MachineLink {
   RshConnection mover_, stopper_;
   DeadMansHandle handle_;
   std::string unchecked_;
+  std::array<LinuxcncRoom, 3> rooms_;
   std::optional<Pulses> target_;
   bool awaits_mover_{false};
-  bool controls_{false};  ///< linuxcncrsh obeys mover_, as far as we know
-  std::string refused_;   ///< by LinuxCNC, of the last move
+  bool controls_{false};      ///< linuxcncrsh obeys mover_, as far as we know
+  std::string refused_;       ///< by LinuxCNC, of the last move
+  bool is_strangers_{false};  ///< another client has taken the control
   Pulses here_{0, 0, 0};
   bool rests_{true};  ///< the joints rest until they are told to move
   Clock::time_point changed_;

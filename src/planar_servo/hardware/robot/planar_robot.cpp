@@ -52,8 +52,13 @@ constexpr double kTimeoutMargin_s = 1.0;
 constexpr double kFirstPause_s = 0.1;
 constexpr double kLongestPause_s = 2.0;
 
-std::string in_words(const std::vector<std::string>& faults) {
-  return fmt::format("{}", fmt::join(faults, ", "));
+/// Throws when the drive of a joint is not well. `how` says how its faults came to be known.
+void require_well(std::size_t joint, const DriveStatus& drive, const char* how) {
+  if (drive.faults.empty()) return;
+  const std::string fault =
+      fmt::format("drive {} {}: {}", joint + 1, how, fmt::join(drive.faults, ", "));
+  if (!drive.stopped_by_hand) throw DriveError(fault);
+  throw StoppedByHand({fault, "see to the machine, then start again; --resume continues a run"});
 }
 
 [[noreturn]] void throw_unhomed(std::size_t joint) {
@@ -375,8 +380,7 @@ void PlanarRobot::halt_after(const std::exception& cause) {
 PlanarRobot::Status PlanarRobot::require_well() {
   Status status = drives_.status();
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!status[i].faults.empty())
-      throw DriveError(fmt::format("drive {} reports: {}", i + 1, in_words(status[i].faults)));
+    planar::require_well(i, status[i], "reports");
     if (!status[i].energized) throw DriveError(fmt::format("drive {} is switched off", i + 1));
   }
   return status;
@@ -408,10 +412,9 @@ void PlanarRobot::wait_for_rest(double duration_s) {
 PlanarRobot::Status PlanarRobot::status_under_way() {
   Status status = drives_.status();
   for (std::size_t i = 0; i < 3; ++i) {
-    if (status[i].faults.empty() && status[i].energized) continue;
-    throw DriveError(
-        fmt::format("drive {} failed on its way: {}", i + 1,
-                    status[i].faults.empty() ? "it is switched off" : in_words(status[i].faults)));
+    planar::require_well(i, status[i], "failed on its way");
+    if (!status[i].energized)
+      throw DriveError(fmt::format("drive {} failed on its way: it is switched off", i + 1));
   }
   note_speeds(status);
   return status;

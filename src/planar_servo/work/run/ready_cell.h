@@ -194,6 +194,8 @@ auto ReadyCell::with_drives(const std::string& id, int& recoveries_left, const A
   while (true) {
     try {
       return attempt();
+    } catch (const StoppedByHand&) {
+      throw;
     } catch (const DriveError& error) {
       if (recoveries_left-- == 0) throw;
       recover_drives(id, error.what());
