@@ -58,7 +58,8 @@ void require_well(std::size_t joint, const DriveStatus& drive, const char* how) 
   const std::string fault =
       fmt::format("drive {} {}: {}", joint + 1, how, fmt::join(drive.faults, ", "));
   if (!drive.stopped_by_hand) throw DriveError(fault);
-  throw StoppedByHand({fault, "see to the machine, then start again; --resume continues a run"});
+  throw StoppedByHand(
+      {fault, "see to the machine, then `enable` or start again; --resume continues a run"});
 }
 
 [[noreturn]] void throw_unhomed(std::size_t joint) {
@@ -120,6 +121,13 @@ PlanarRobot::~PlanarRobot() {
 }
 
 void PlanarRobot::energize() {
+  const Status status = drives_.status();
+  for (std::size_t i = 0; i < 3; ++i)
+    if (status[i].stopped_by_hand) planar::require_well(i, status[i], "reports");
+  switch_on();
+}
+
+void PlanarRobot::switch_on() {
   drives_.reconnect();
   drives_.set_limits(transmission_.rated_limits());
   drives_.energize();
@@ -230,6 +238,8 @@ void PlanarRobot::recover(double patience_s) {
   for (double pause_s = kFirstPause_s;; pause_s = std::min(2.0 * pause_s, kLongestPause_s)) {
     try {
       return energize();
+    } catch (const StoppedByHand&) {
+      throw;
     } catch (const DriveError&) {
       if (clock_.now_s() + pause_s > deadline_s) throw;
     }

@@ -59,8 +59,10 @@ class PlanarRobot {
 
   /// Looks for lost drives, sets every drive's speed and acceleration, and switches all on. Throws
   /// DriveError naming the drive that reports a fault or does not switch on. A drive may still have
-  /// to be homed.
+  /// to be homed. After a stop by hand that this program has seen only switch_on() does that;
+  /// energize() and recover() throw StoppedByHand.
   void energize();
+  void switch_on();
 
   /// Sets a predicate that is asked every few milliseconds during every move, homing and wait for a
   /// drive. While it returns true, nothing moves and these throw StopRequested: a move slows down

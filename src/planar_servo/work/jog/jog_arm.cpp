@@ -35,8 +35,7 @@ JogArm::JogArm(const CalibratedCell& cell, CellDevices& devices, const std::func
 }
 
 void JogArm::enable() {
-  constexpr double kOnce = 0.0;
-  robot_.recover(kOnce);
+  robot_.switch_on();
   enabled_ = true;
 }
 
