@@ -10,6 +10,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/loop/servo/motion_guard.h"
 
 namespace planar {
 namespace {
@@ -62,7 +63,8 @@ class SightHoming {
                   "compare the links' lengths and limits in the cell file with the arm"});
   }
 
-  /// Turns joints until one posture is left, and returns it.
+  /// Turns joints until one posture is left, takes up the play of the gears there as every approach
+  /// does, so that the arm stands as it did where it was found, and returns it.
   PostureCandidate single_posture() {
     tell_apart(
         1, kTakeUp, kTestTurn, [](const PostureCandidate& c) { return c.elbow; },
@@ -70,6 +72,7 @@ class SightHoming {
     tell_apart(
         2, 0.0, kQuarter, [](const PostureCandidate& c) { return c.exchanged; },
         "which lamp is which");
+    take_up_play();
     return left_.front();
   }
 
@@ -99,6 +102,24 @@ class SightHoming {
     }
   }
 
+  void take_up_play() {
+    const Transmission& transmission = cell_.planner.transmission();
+    const Joints theta = left_.front().theta;
+    const ApproachWay way = approach_way(cell_.planner, cell_.settings.servo, theta, theta);
+    if (way.refusal || way.barred) return;
+    const Eigen::Vector3d back =
+        transmission.motors_from_joints(way.stops.front()) - transmission.motors_from_joints(theta);
+    for (int i = 0; i < 3; ++i)
+      if (!may_turn(theta, i, back[i])) return;
+    robot_.set_joints(theta);
+    for (const Joints& stop : way.stops) go_to(stop);
+  }
+
+  void go_to(const Joints& theta) {
+    if (const auto objection = robot_.move_to(theta, [&] { return sensor_.fault(); }))
+      throw WorkError(*objection);
+  }
+
   /// Turns a motor and lets all candidates follow.
   void move(int motor, double turn) {
     robot_.set_joints(left_.front().theta);
@@ -106,8 +127,7 @@ class SightHoming {
       candidate.theta = turned(candidate.theta, motor, turn);
     spdlog::info(
         fmt::format("homing by sight: motor {} turns by {:.1f} deg", motor + 1, turn / kDegree));
-    if (const auto objection = robot_.move_to(left_.front().theta, [&] { return sensor_.fault(); }))
-      throw WorkError(*objection);
+    go_to(left_.front().theta);
     seen_ = seen_places(sensor_, *cell_.vision);
   }
 
