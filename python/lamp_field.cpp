@@ -13,8 +13,8 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
-#include "planar_servo/offline/saved_frames.h"
 
 namespace planar::python {
 namespace {

@@ -10,7 +10,7 @@
 #include "planar_servo/certificate/scale_bar.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/saved_frames.h"
+#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/work/workpiece/work_watch.h"
 #include "program.h"
 

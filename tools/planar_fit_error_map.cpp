@@ -13,11 +13,11 @@
 #include "planar_servo/learn/error_map/compare_methods.h"
 #include "planar_servo/learn/error_map/fit/pair_checks.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
-#include "planar_servo/offline/saved_frames.h"
 #include "program.h"
 
 namespace planar {

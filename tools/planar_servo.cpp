@@ -20,7 +20,6 @@
 #include "planar_servo/work/run/cell_check.h"
 #include "planar_servo/work/run/dry_run.h"
 #include "planar_servo/work/run/path_report.h"
-#include "planar_servo/work/run/plan_page.h"
 #include "planar_servo/work/run/servo_report.h"
 #include "planar_servo/work/run/servo_run.h"
 #include "planar_servo/work/run/target_stream.h"

@@ -9,7 +9,7 @@
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/offline/saved_frames.h"
+#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/work/workpiece/seen_tip.h"
 #include "program.h"

@@ -150,34 +150,50 @@ TEST_CASE("Lays that are only shifted are refused where no reading helps them") 
   CHECK_NOTHROW(estimate_jointly(cell.nominal(), cell.samples(20, 40, random), shifted));
 }
 
-TEST_CASE("Lamps that are shifted beside all marks leave what the marks tell of each other") {
+TEST_CASE("What marks and a bar tell beside shifted lamps is that of their common covariance") {
   LaidDots laid;
   laid.lamps_shift_sigma = 8e-6;
+  laid.foot_B = {0.02, -0.03};
   laid.marks = {{{0.3, 0.1}, {0.30002, 0.1}, 3e-6},
                 {{-0.2, 0.2}, {-0.2, 0.20001}, 5e-6},
                 {{0.1, -0.4}, {0.10001, -0.4}, 4e-6}};
+  laid.lengths = {{{Eigen::Vector2d(-0.2, -0.1), Eigen::Vector2d(0.2, 0.2)}, 2e-6},
+                  {{Eigen::Vector2d(0.3, 0.1), Eigen::Vector2d(-0.2, 0.1)}, 3e-6}};
+  laid.length = 0.49999;
+  laid.length_sigma = 5e-6;
   const LayInformation told = lay_information(laid, kBasis, 1.0);
-  Eigen::Matrix3d C = Eigen::Matrix3d::Constant(std::pow(laid.lamps_shift_sigma, 2));
-  Eigen::MatrixXd B(3, kBasis.terms()), z(3, 2);
-  double log_variances = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const MarkSight& mark = laid.marks[static_cast<std::size_t>(i)];
-    C(i, i) += mark.sigma * mark.sigma;
-    log_variances += std::log(mark.sigma * mark.sigma);
-    B.row(i) = kBasis.at(mark.seen_B);
-    z.row(i) = (mark.seen_B - mark.p_B).transpose();
-  }
-  const Eigen::Matrix3d weight = C.inverse();
-  const Eigen::MatrixXd H = B.transpose() * weight * B, right = B.transpose() * weight * z;
+  constexpr int kRows = 8;  // x and y of the marks, lengths
   const Eigen::Index n = kBasis.terms();
-  CHECK((told.H.topLeftCorner(n, n) - H).norm() < 1e-6 * H.norm());
-  CHECK((told.H.bottomRightCorner(n, n) - H).norm() < 1e-6 * H.norm());
-  CHECK(told.H.topRightCorner(n, n).isZero(0.0));
-  CHECK((told.right.head(n) - right.col(0)).norm() < 1e-6 * right.norm());
-  CHECK((told.right.tail(n) - right.col(1)).norm() < 1e-6 * right.norm());
-  CHECK(told.squares == Approx((z.transpose() * weight * z).trace()).epsilon(1e-6));
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(kRows, 2 * n), common(kRows, 4);
+  Eigen::VectorXd z(kRows), own(kRows);
+  for (int i = 0; i < 6; ++i) {
+    const MarkSight& mark = laid.marks[static_cast<std::size_t>(i / 2)];
+    B.block(i, i % 2 * n, 1, n) = kBasis.at(mark.seen_B);
+    common.row(i) << 0.0, i % 2 == 0, i % 2 == 1, (mark.seen_B - laid.foot_B)[i % 2];
+    z[i] = (mark.seen_B - mark.p_B)[i % 2];
+    own[i] = mark.sigma;
+  }
+  for (int i = 6; i < kRows; ++i) {
+    const LengthSight& sight = laid.lengths[static_cast<std::size_t>(i - 6)];
+    const Eigen::Vector2d way = sight.seen_B[1] - sight.seen_B[0];
+    const Eigen::RowVectorXd growth = kBasis.at(sight.seen_B[1]) - kBasis.at(sight.seen_B[0]);
+    B.row(i) << growth * way.x() / way.norm(), growth * way.y() / way.norm();
+    common.row(i) << 1.0, 0.0, 0.0, way.norm();
+    z[i] = way.norm() - laid.length;
+    own[i] = sight.sigma;
+  }
+  const double half = std::pow(laid.lamps_shift_sigma, 2) / 2.0;
+  const Eigen::Vector4d variances(std::pow(laid.length_sigma, 2), half, half,
+                                  half / std::pow(kBasis.radius, 2));
+  const Eigen::MatrixXd own_C = own.cwiseAbs2().asDiagonal();
+  const Eigen::MatrixXd C = own_C + common * variances.asDiagonal() * common.transpose();
+  const Eigen::MatrixXd weight = C.inverse(), H = B.transpose() * weight * B;
+  const Eigen::VectorXd right = B.transpose() * weight * z;
+  CHECK((told.H - H).norm() < 1e-6 * H.norm());
+  CHECK((told.right - right).norm() < 1e-6 * right.norm());
+  CHECK(told.squares == Approx(z.dot(weight * z)).epsilon(1e-6));
   CHECK(told.log_determinant ==
-        Approx(2.0 * (std::log(C.determinant()) - log_variances)).epsilon(1e-6));
+        Approx(std::log(C.determinant()) - std::log(own_C.determinant())).epsilon(1e-6));
 }
 
 }  // namespace

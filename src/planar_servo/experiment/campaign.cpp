@@ -15,7 +15,7 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/experiment/begun_experiment.h"
+#include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/devices/forwarding_drives.h"
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/files/cell_file.h"
+#include "planar_servo/geometry/arm/clearance.h"
 #include "planar_servo/hardware/cameras/aravis_kind.h"
 #include "planar_servo/hardware/drives/drive_kinds.h"
 #include "planar_servo/hardware/links/link_kinds.h"
 #include "planar_servo/machine/plausibility.h"
-#include "planar_servo/machine/touching_drives.h"
 #include "planar_servo/machine/trackers/tracker_kinds.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_cell.h"
@@ -52,6 +53,44 @@ class RealDevices final : public CellDevices {
   std::shared_ptr<FrameSource> camera_;
   std::shared_ptr<DriveGroup> drives_;
   std::shared_ptr<Tracker> tracker_;
+};
+
+/// The drives of a virtual cell among obstacles: where the arm as built touches one, all motors
+/// stop with lost steps and say so, as they would be felt to.
+class TouchingDrives final : public ForwardingDrives {
+ public:
+  /// `body` is what the arm takes up among these barriers. The virtual cell must outlive this.
+  TouchingDrives(VirtualCell& world, const ArmBody& body, const std::vector<Barrier>& barriers)
+      : ForwardingDrives(world.drives()), world_(world), body_(body), barriers_(barriers) {
+    body_.clearance_m = 0.0;
+  }
+
+  void energize() override {
+    touched_.clear();
+    ForwardingDrives::energize();
+  }
+
+  std::array<DriveStatus, 3> status() override {
+    const ArmGap nearest = smallest_gap(body_, barriers_, world_.true_elbow(), world_.true_tip().p);
+    if (touched_.empty() && nearest.gap_m < 0.0) {
+      touched_ =
+          fmt::format("{} touches the obstacle {}", nearest.part, barriers_[nearest.barrier].name);
+      halt();
+    }
+    std::array<DriveStatus, 3> status = ForwardingDrives::status();
+    if (!touched_.empty())
+      for (DriveStatus& drive : status) {
+        drive.faults.push_back(touched_);
+        drive.position_certain = false;
+      }
+    return status;
+  }
+
+ private:
+  const VirtualCell& world_;
+  ArmBody body_;
+  std::vector<Barrier> barriers_;
+  std::string touched_;  ///< what, in words; empty where nothing is
 };
 
 class VirtualDevices final : public CellDevices {

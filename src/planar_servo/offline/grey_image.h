@@ -1,11 +1,15 @@
 #pragma once
 
+#include <opencv2/core.hpp>
+
 #include <cstddef>
 #include <filesystem>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string_view>
 #include <vector>
+
+#include "planar_servo/base/devices/frame_source.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
 
 namespace planar {
 
@@ -44,5 +48,13 @@ struct PictureSize {
 
 /// Returns the size that the header of a PNG, PGM or JPEG file states; empty for other formats.
 std::optional<PictureSize> stated_size(std::string_view bytes);
+
+/// Returns a whole picture of the cell's camera as a frame. Throws InputError naming `where` for
+/// one of another size.
+Frame whole_frame(const cv::Mat& image, const CellSettings& cell, const std::string& where);
+
+/// Reads saved pictures as frames of the camera. Throws InputError for one of another size.
+std::vector<Frame> saved_frames(const std::vector<std::filesystem::path>& images,
+                                const CellSettings& cell);
 
 }  // namespace planar

@@ -12,7 +12,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/experiment/begun_experiment.h"
+#include "planar_servo/experiment/experiment.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -1,5 +1,7 @@
 #include "planar_servo/base/devices/drive_group.h"
 
+#include <fmt/format.h>
+
 namespace planar {
 
 void SeparateDrives::energize() {
@@ -37,6 +39,20 @@ void SeparateDrives::start_homing(int joint, HomeDirection direction) {
 
 void SeparateDrives::set_position(int joint, std::int32_t position_pulses) {
   drives_.at(static_cast<std::size_t>(joint))->set_position(position_pulses);
+}
+
+void require_within(const std::array<DriveLimits, 3>& limits,
+                    const std::array<DriveLimits, 3>& rated) {
+  constexpr double kAllowedExcess = 1.001;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [speed, acceleration] = limits[i];
+    if (!(speed > 0.0 && speed <= kAllowedExcess * rated[i].speed_pulses_s) ||
+        !(acceleration > 0.0 && acceleration <= kAllowedExcess * rated[i].acceleration_pulses_s2))
+      throw InputError({fmt::format("drive {} cannot keep {:g} pulses/s and {:g} pulses/s^2", i + 1,
+                                    speed, acceleration),
+                        fmt::format("its cell allows up to {:g} and {:g}", rated[i].speed_pulses_s,
+                                    rated[i].acceleration_pulses_s2)});
+  }
 }
 
 }  // namespace planar

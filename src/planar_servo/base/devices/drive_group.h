@@ -125,4 +125,8 @@ class SeparateDrives final : public DriveGroup {
   std::array<PulseDrive*, 3> drives_;
 };
 
+/// Throws InputError for limits that are not positive, or beyond those of the cell's motors.
+void require_within(const std::array<DriveLimits, 3>& limits,
+                    const std::array<DriveLimits, 3>& rated);
+
 }  // namespace planar

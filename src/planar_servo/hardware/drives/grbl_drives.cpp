@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "planar_servo/base/devices/drive_limits.h"
+#include "planar_servo/base/devices/drive_group.h"
 
 namespace planar {
 namespace {

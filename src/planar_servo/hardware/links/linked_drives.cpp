@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "planar_servo/base/devices/drive_limits.h"
+#include "planar_servo/base/devices/drive_group.h"
 
 namespace planar {
 namespace {

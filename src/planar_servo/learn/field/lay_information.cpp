@@ -142,15 +142,6 @@ LayInformation add(const LayInformation& a, const LayInformation& b) {
           a.log_determinant + b.log_determinant};
 }
 
-/// Returns the sum of equations row . weights = z of unit variance.
-Sums sum_of(const Eigen::MatrixXd& rows, const Eigen::VectorXd& z) {
-  Sums sums(rows.cols());
-  sums.H = rows.transpose() * rows;
-  sums.right = rows.transpose() * z;
-  sums.squares = z.squaredNorm();
-  return sums;
-}
-
 LayInformation told_by_board(const LaidDots& board, const FieldBasis& basis, double factor) {
   const std::vector<BoardLay> lays = on_disc(board.lays, basis.radius);
   const Eigen::Index n = 2 * basis.terms();
@@ -171,68 +162,54 @@ LayInformation told_by_board(const LaidDots& board, const FieldBasis& basis, dou
               2.0 * prior.array().log().sum()};
 }
 
-/// Along a bar, seen length = length + its deviation + what the field adds from end to end.
-LayInformation told_by_lengths(const LaidDots& laid, const FieldBasis& basis) {
-  const Eigen::Index terms = basis.terms();
-  std::vector<Eigen::RowVectorXd> rows;
-  std::vector<double> z;
+/// What the bar and the marks tell. Seen length = length + its deviation + what the field adds from
+/// end to end; seen place = place + field. The field is that of the lamps, so that both leave out
+/// by how much lamps are shifted beside them: alike everywhere, and growing from the camera's foot.
+LayInformation told_by_standards(const LaidDots& laid, const FieldBasis& basis) {
+  // The last unknowns are the bar's deviation, the shift along x and y, and its growth.
+  constexpr Eigen::Index kMore = 4, kShift = 1, kGrowth = 3;
+  constexpr double kNone_m = 1e-9;
+  const Eigen::Index terms = basis.terms(), n = 2 * terms;
+  const double shift = std::max(laid.lamps_shift_sigma, kNone_m) / std::sqrt(2.0);
+  const Eigen::Vector4d prior(std::max(laid.length_sigma, kNone_m), shift, shift,
+                              shift / basis.radius);
+  Sums sums(n + kMore);
+  sums.H.diagonal().tail<kMore>() = prior.cwiseAbs2().cwiseInverse();
+  Eigen::RowVectorXd row(n + kMore);
+  const auto add_row = [&](double z, double sigma) {
+    sums.H += (row / sigma).transpose() * (row / sigma);
+    sums.right += row.transpose() * (z / (sigma * sigma));
+    sums.squares += z * z / (sigma * sigma);
+  };
   for (const LengthSight& sight : laid.lengths) {
     const auto& [first, second] = sight.seen_B;
     if (std::max(first.norm(), second.norm()) > basis.radius) continue;
-    const Eigen::Vector2d along = (second - first).normalized();
+    const double length = (second - first).norm();
+    const Eigen::Vector2d along = (second - first) / length;
     const Eigen::RowVectorXd growth = basis.at(second) - basis.at(first);
-    Eigen::RowVectorXd row(2 * terms + 1);
-    row << along.x() * growth, along.y() * growth, 1.0;
-    rows.emplace_back(row / sight.sigma);
-    z.push_back(((second - first).norm() - laid.length) / sight.sigma);
+    row << along.x() * growth, along.y() * growth, 1.0, 0.0, 0.0, length;
+    add_row(length - laid.length, sight.sigma);
   }
-  Eigen::MatrixXd all(static_cast<Eigen::Index>(rows.size()), 2 * terms + 1);
-  for (std::size_t i = 0; i < rows.size(); ++i) all.row(static_cast<Eigen::Index>(i)) = rows[i];
-  if (rows.empty())
-    return {Eigen::MatrixXd::Zero(2 * terms, 2 * terms), Eigen::VectorXd::Zero(2 * terms), 0.0,
-            0.0};
-  Sums sums = sum_of(all, Eigen::Map<Eigen::VectorXd>(z.data(), all.rows()));
-  const double variance = laid.length_sigma * laid.length_sigma;
-  sums.H(2 * terms, 2 * terms) += 1.0 / variance;
-  const double told = std::log(sums.H(2 * terms, 2 * terms) * variance);
-  const Sums field = without_last(sums, 1);
-  return {field.H, field.right, field.squares, told};
-}
-
-LayInformation told_by_marks(const LaidDots& laid, const FieldBasis& basis) {
-  const Eigen::Index terms = basis.terms();
-  LayInformation told{Eigen::MatrixXd::Zero(2 * terms, 2 * terms), Eigen::VectorXd::Zero(2 * terms),
-                      0.0, 0.0};
-  // The last unknown is the lamps' shift along the axis.
-  constexpr double kNone_m = 1e-9;
-  const double prior = std::pow(std::max(laid.lamps_shift_sigma, kNone_m), -2.0);
-  for (const Eigen::Index axis : {0, 1}) {
-    Sums sums(terms + 1);
-    sums.H(terms, terms) = prior;
-    for (const MarkSight& mark : laid.marks) {
-      if (mark.seen_B.norm() > basis.radius) continue;
-      Eigen::RowVectorXd row(terms + 1);
-      row << basis.at(mark.seen_B), 1.0;
-      row /= mark.sigma;
-      const double z = (mark.seen_B - mark.p_B)[axis] / mark.sigma;
-      sums.H += row.transpose() * row;
-      sums.right += row.transpose() * z;
-      sums.squares += z * z;
+  for (const MarkSight& mark : laid.marks) {
+    if (mark.seen_B.norm() > basis.radius) continue;
+    for (const Eigen::Index axis : {0, 1}) {
+      row.setZero();
+      row.segment(axis * terms, terms) = basis.at(mark.seen_B);
+      row[n + kShift + axis] = 1.0;
+      row[n + kGrowth] = (mark.seen_B - laid.foot_B)[axis];
+      add_row((mark.seen_B - mark.p_B)[axis], mark.sigma);
     }
-    told.log_determinant += std::log(sums.H(terms, terms) / prior);
-    const Sums field = without_last(sums, 1);
-    told.H.block(axis * terms, axis * terms, terms, terms) = field.H;
-    told.right.segment(axis * terms, terms) = field.right;
-    told.squares += field.squares;
   }
-  return told;
+  const Eigen::Matrix4d of_more = sums.H.bottomRightCorner<kMore, kMore>();
+  const double told = std::log((prior.asDiagonal() * of_more * prior.asDiagonal()).determinant());
+  const Sums field = without_last(sums, kMore);
+  return {field.H, field.right, field.squares, told};
 }
 
 }  // namespace
 
 LayInformation lay_information(const LaidDots& laid, const FieldBasis& basis, double factor) {
-  return add(told_by_board(laid, basis, factor),
-             add(told_by_lengths(laid, basis), told_by_marks(laid, basis)));
+  return add(told_by_board(laid, basis, factor), told_by_standards(laid, basis));
 }
 
 std::optional<Refusal> doubt_of_turns(const LaidDots& board) {

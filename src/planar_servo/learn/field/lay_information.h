@@ -43,8 +43,10 @@ struct LaidDots {
   std::vector<LengthSight> lengths{};
   double length{0.0}, length_sigma{0.0};  ///< of the bar, the deviation common to all its sights
   std::vector<MarkSight> marks{};
-  /// Of the shift, per axis, that lamps have beside the marks by their rims and glow. Metres.
+  /// Of the shift, per axis, that lamps at the edge of the field have beside marks and bar by their
+  /// rims and glow; half of its variance grows with the distance from the camera's foot. Metres.
   double lamps_shift_sigma{0.0};
+  Eigen::Vector2d foot_B{0.0, 0.0};  ///< of the camera
 
   std::size_t dots() const;
 };

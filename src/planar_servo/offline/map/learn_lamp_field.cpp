@@ -179,7 +179,6 @@ void add_marks(const LampFieldFiles& files, const VisionCalibration& uncompensat
                                   "seen",
                                   marks.size(), files.pictures.size(), mm(radius)),
                       "compare x_mm and y_mm with the base frame, and uncover them", files.marks});
-  laid.lamps_shift_sigma = lamps_shift_sigma(uncompensated.workplane, laid.marks.front().p_B);
 }
 
 }  // namespace
@@ -226,6 +225,8 @@ LaidDots laid_things(const LampFieldFiles& files, const VisionCalibration& visio
   LaidDots laid = files.lays.empty() ? LaidDots() : laid_dots(read_lays(files.lays));
   VisionCalibration uncompensated = vision;
   uncompensated.error_map.reset();
+  laid.foot_B = uncompensated.workplane.X_WC().translation().head<2>();
+  laid.lamps_shift_sigma = lamps_shift_sigma(uncompensated.workplane, laid.foot_B);
   if (!files.bar.empty()) add_bar(files, uncompensated, radius, laid);
   if (!files.marks.empty()) add_marks(files, uncompensated, radius, laid);
   return laid;

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,8 +12,10 @@
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/loop/health/health_record.h"
+#include "planar_servo/loop/servo/path/path.h"
 
 namespace planar {
 
@@ -126,5 +129,17 @@ std::vector<Refusal> target_doubts(const std::vector<TargetRow>& targets,
 /// `file` names the table.
 void question_targets(const std::vector<TargetRow>& targets, const Workspace& workspace,
                       const std::filesystem::path& file);
+
+// Pages of what would be done, for whoever checks it before anything moves: the ways in the
+// workspace, and by themselves.
+
+/// `remarks` say what was assumed of the path's file, or left out.
+std::string plan_page(const Workspace& workspace, const std::filesystem::path& file,
+                      const Path& path, const std::vector<std::string>& remarks);
+
+/// `rows` are the first moves to these targets.
+std::string plan_page(const Workspace& workspace, const std::filesystem::path& file,
+                      const std::vector<TargetRow>& targets, const std::vector<DryRunRow>& rows,
+                      const std::vector<std::string>& remarks);
 
 }  // namespace planar
