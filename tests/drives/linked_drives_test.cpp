@@ -124,12 +124,34 @@ TEST_CASE("A machine that moves unasked is uncertain, also when it is switched o
   CHECK_FALSE(drives.status()[0].position_certain);
 }
 
+TEST_CASE(
+    "A machine that is off unprompted, or comes back in emergency stop, was stopped by hand") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  script.state.emergency = true;  // before it was ever switched on
+  CHECK_FALSE(drives.status()[0].stopped_by_hand);
+  make_ready(drives);
+  CHECK_FALSE(drives.status()[0].stopped_by_hand);
+  script.state.on = false;
+  CHECK(drives.status()[0].stopped_by_hand);
+  drives.energize();
+  script.is_gone = true;
+  CHECK_FALSE(drives.status()[0].answers);
+  script.is_gone = script.state.on = false;
+  drives.reconnect();
+  CHECK(drives.status()[0].stopped_by_hand);
+  CHECK_THAT(drives.status()[0].faults.front(), Contains("emergency stop"));
+  drives.energize();
+  CHECK_FALSE(drives.status()[0].stopped_by_hand);
+}
+
 TEST_CASE("A move that a machine refuses costs no position") {
   Script script;
   LinkedDrives drives = drives_by(script);
   make_ready(drives);
   script.refuses = true;
   CHECK_THROWS_WITH(drives.set_targets({1000, 0, 0}), "the machine cannot move: the door is open");
+  CHECK_FALSE(drives.status()[0].stopped_by_hand);
   drives.halt();
   CHECK(drives.status()[0].position_certain);
   script.refuses = false;

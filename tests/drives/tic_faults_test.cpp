@@ -72,8 +72,9 @@ struct RobotBench : TicBench {
   }
 
   /// Work continues: nothing moves before those that lost their position are homed.
-  void check_recovery() {
-    robot.recover(kPatience_s);
+  void check_recovery(bool by_hand = false) {
+    if (by_hand) CHECK_THROWS_AS(robot.recover(kPatience_s), StoppedByHand);
+    by_hand ? robot.switch_on() : robot.recover(kPatience_s);
     CHECK(nothing_turns());
     if (!robot.unhomed().empty())
       CHECK_THROWS_WITH(robot.move_to(kNear), Contains("home it first"));
@@ -157,13 +158,13 @@ TEST_CASE("A low supply and a kill switch halt all drives until they are gone") 
   CHECK(bench.nothing_turns());
   CHECK_THROWS_WITH(bench.robot.recover(0.2), Contains("low supply voltage"));
   bench.tics[1].set_supply(24.0);
-  bench.check_recovery();
+  bench.check_recovery(true);
   CHECK_THAT(bench.failure_of_move([&] { bench.tics[2].press_kill_switch(true); }),
              Contains("drive 3 failed on its way: kill switch active"));
   CHECK(bench.nothing_turns());
   CHECK_THROWS_AS(bench.robot.move_to(kNear), StoppedByHand);
   bench.tics[2].press_kill_switch(false);
-  bench.check_recovery();
+  bench.check_recovery(true);
 }
 
 TEST_CASE("A drive that had no power for a moment has to be homed, the others keep their place") {

@@ -323,6 +323,21 @@ TEST_CASE("Recovery waits until the fault is gone, and gives up after its patien
   CHECK_NOTHROW(bench.robot.move_to(kSomewhere));
 }
 
+TEST_CASE("A stop by hand lasts until a person switches the arm on, even if it is gone before") {
+  ReadyBench bench;
+  bench.drives[0].fault_on_the_way = "its link is down";
+  bench.drives[2].fault_on_the_way = "kill switch";
+  bench.drives[2].by_hand = true;
+  CHECK_THROWS_WITH(
+      bench.robot.move_to(kSomewhere),
+      Catch::Contains("its link is down") && Catch::Contains("drive 3 reports: kill switch"));
+  for (auto& drive : bench.drives) drive.fault_on_the_way.clear();
+  CHECK_THROWS_AS(bench.robot.energize(), StoppedByHand);
+  CHECK_THROWS_AS(bench.robot.recover(3.0), StoppedByHand);
+  bench.robot.switch_on();
+  CHECK_NOTHROW(bench.robot.energize());
+}
+
 TEST_CASE("Destruction halts the drives when one still moves, and leaves resting ones alone") {
   test::ManualClock clock;
   std::array<test::MockPulseDrive, 3> drives{

@@ -25,6 +25,7 @@ class MockPulseDrive final : public PulseDrive {
   bool knows_position{true};
   std::string fault;             ///< reported at once; empty for none
   std::string fault_on_the_way;  ///< reported while the drive moves; empty for none
+  bool by_hand{false};           ///< its faults are stops by hand
 
   void energize() override { energized_ = true; }
   void set_limits(const DriveLimits& limits) override {
@@ -54,6 +55,7 @@ class MockPulseDrive final : public PulseDrive {
     DriveStatus status{position(), target_, energized_, moving, knows_position, homing_};
     if (!fault.empty()) status.faults.push_back(fault);
     if (moving && !fault_on_the_way.empty()) status.faults.push_back(fault_on_the_way);
+    status.stopped_by_hand = by_hand && !status.faults.empty();
     return status;
   }
 

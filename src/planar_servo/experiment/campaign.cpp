@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <numeric>
-#include <sstream>
 #include <system_error>
 
 #include "planar_servo/base/core/error.h"
@@ -216,11 +215,7 @@ void CampaignRows::append(std::uint32_t seed, nlohmann::json figures) {
 }
 
 void CampaignRows::read_new_rows() {
-  std::ifstream in = open_file(file_);
-  in.seekg(static_cast<std::streamoff>(read_));
-  std::ostringstream rest;
-  rest << in.rdbuf();
-  const std::string text = rest.str();
+  const std::string text = read_file(file_).substr(read_);
   for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos;
        begin = end + 1) {
     if (lines_++ > 0) take_line(text.substr(begin, end - begin));

@@ -50,6 +50,9 @@ void LinkedDrives::open() {
   try {
     link_ = open_();
     state_ = link_->read();
+    if (was_on_ && state_.emergency)
+      missed_ = "its emergency stop is pressed since it was out of touch; `enable` clears this";
+    was_on_ = false;
   } catch (const WorkError& error) {
     lose(error.what());
   }
@@ -143,6 +146,7 @@ void LinkedDrives::energize() {
     rest_.reset();  // a motor may turn a little as it gets its current
     link_->switch_on();
     take(link_->read());
+    was_on_ = state_.on;
   });
 }
 
@@ -204,7 +208,12 @@ void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses
   command("move", [&] {
     rest_.reset();
     state_.moving = true;  // it may, even if it gets out of touch now
-    link_->go_to(target, limits_);
+    try {
+      link_->go_to(target, limits_);
+    } catch (const MachineRefusal&) {
+      state_.moving = false;
+      throw;
+    }
     goal_ = target;
   });
 }
@@ -236,7 +245,8 @@ DriveStatus LinkedDrives::status_of(std::size_t joint) const {
   status.homing = homing_joint_ == joint;
   status.faults = state_.faults;
   if (!missed_.empty()) status.faults.push_back(missed_);
-  status.stopped_by_hand = state_.stopped_by_hand || !missed_.empty();
+  const bool was_switched_off = was_on_ && !state_.on && state_.faults.empty();
+  status.stopped_by_hand = state_.stopped_by_hand || !missed_.empty() || was_switched_off;
   return status;
 }
 

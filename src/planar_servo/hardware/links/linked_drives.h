@@ -78,6 +78,7 @@ class LinkedDrives final : public DriveGroup {
   MachineState state_;
   std::optional<Pulses> goal_;  ///< until it was seen at rest there
   std::string missed_;          ///< how it came to rest elsewhere than it should
+  bool was_on_{false};          ///< since it was switched on, in touch all the time
   int in_position_;
   std::optional<Pulses> held_;  ///< the target at which it rests
   std::optional<Pulses> rest_;  ///< where it rests until it is told to move

@@ -505,6 +505,7 @@ MachineState LinuxcncLink::state_now() {
     std::this_thread::sleep_for(kApart);
     look();
   }
+  state.emergency = is_stopped;
   state.stopped_by_hand = was_switched_on_ && !state.on;
   if (state.stopped_by_hand)
     state.faults.emplace_back(

@@ -18,6 +18,7 @@ struct MachineState {
   bool homing{false};  ///< it searches a home switch
   int losses{0};       ///< so often its counts ceased to be those of the motors, as after a stall
   std::vector<std::string> faults{};
+  bool emergency{false};        ///< its emergency stop is pressed, also by its own start
   bool stopped_by_hand{false};  ///< a person or a safety circuit may have stopped it
 };
 

@@ -52,14 +52,9 @@ constexpr double kTimeoutMargin_s = 1.0;
 constexpr double kFirstPause_s = 0.1;
 constexpr double kLongestPause_s = 2.0;
 
-/// Throws when the drive of a joint is not well. `how` says how its faults came to be known.
-void require_well(std::size_t joint, const DriveStatus& drive, const char* how) {
-  if (drive.faults.empty()) return;
-  const std::string fault =
-      fmt::format("drive {} {}: {}", joint + 1, how, fmt::join(drive.faults, ", "));
-  if (!drive.stopped_by_hand) throw DriveError(fault);
-  throw StoppedByHand(
-      {fault, "see to the machine, then `enable` or start again; --resume continues a run"});
+std::string words_of(const DriveStatus& drive) {
+  return drive.faults.empty() ? "it is switched off"
+                              : fmt::format("{}", fmt::join(drive.faults, ", "));
 }
 
 [[noreturn]] void throw_unhomed(std::size_t joint) {
@@ -107,12 +102,12 @@ VelocityMove velocity_move(const VelocityMove& last, double now_s,
 PlanarRobot::PlanarRobot(const PlanarArm& arm, const Transmission& transmission, DriveGroup& drives,
                          Clock& clock)
     : arm_(arm), transmission_(transmission), drives_(drives), clock_(clock) {
-  read_positions(drives_.status());
+  read_positions(status());
 }
 
 PlanarRobot::~PlanarRobot() {
   try {
-    const auto status = drives_.status();
+    const auto status = this->status();
     if (std::any_of(status.begin(), status.end(), [](const auto& s) { return s.moving; }))
       drives_.halt();
   } catch (const std::exception&) {
@@ -120,14 +115,23 @@ PlanarRobot::~PlanarRobot() {
   }
 }
 
+PlanarRobot::Status PlanarRobot::status() {
+  Status status = drives_.status();
+  for (std::size_t i = 0; i < 3 && by_hand_.empty(); ++i)
+    if (status[i].stopped_by_hand)
+      by_hand_ = fmt::format("drive {} reports: {}", i + 1, words_of(status[i]));
+  return status;
+}
+
 void PlanarRobot::energize() {
-  const Status status = drives_.status();
-  for (std::size_t i = 0; i < 3; ++i)
-    if (status[i].stopped_by_hand) planar::require_well(i, status[i], "reports");
+  drives_.reconnect();
+  status();
+  if (!by_hand_.empty()) throw_failure("");
   switch_on();
 }
 
 void PlanarRobot::switch_on() {
+  by_hand_.clear();
   drives_.reconnect();
   drives_.set_limits(transmission_.rated_limits());
   drives_.energize();
@@ -140,7 +144,7 @@ void PlanarRobot::throw_if_stopped() const {
 
 std::vector<int> PlanarRobot::unhomed() {
   std::vector<int> joints;
-  const auto status = drives_.status();
+  const auto status = this->status();
   for (int i = 0; i < 3; ++i)
     if (forgotten_[static_cast<std::size_t>(i)] ||
         !status[static_cast<std::size_t>(i)].position_certain)
@@ -198,18 +202,18 @@ void PlanarRobot::search_home(int joint) {
     halt_after(error);
     throw;
   }
-  const DriveStatus found = drives_.status()[static_cast<std::size_t>(joint)];
+  const DriveStatus found = status()[static_cast<std::size_t>(joint)];
   if (!found.position_certain)
     throw DriveError(fmt::format("drive {} gave up its search for the home switch", joint + 1));
   drives_.set_position(joint, found.position_pulses + home_pulses(joint));
   forgotten_[static_cast<std::size_t>(joint)] = false;
-  read_positions(drives_.status());
+  read_positions(status());
 }
 
 void PlanarRobot::teach_home(int joint) {
   drives_.set_position(joint, home_pulses(joint));
   forgotten_[static_cast<std::size_t>(joint)] = false;
-  read_positions(drives_.status());
+  read_positions(status());
 }
 
 bool PlanarRobot::homes_by_sight() const {
@@ -220,7 +224,7 @@ void PlanarRobot::set_joints(const Joints& theta) {
   const Pulses pulses = transmission_.pulses_from_joints(theta);
   for (int i = 0; i < 3; ++i) drives_.set_position(i, pulses[i]);
   forgotten_ = {};
-  read_positions(drives_.status());
+  read_positions(status());
 }
 
 void PlanarRobot::forget_position() {
@@ -309,7 +313,7 @@ void PlanarRobot::brake() {
 }
 
 Joints PlanarRobot::present_joints() {
-  read_positions(drives_.status());
+  read_positions(status());
   return commanded_joints();
 }
 
@@ -375,7 +379,7 @@ void PlanarRobot::halt() {
   } catch (const WorkError& error) {
     failure = error.what();
   }
-  read_positions(drives_.status());
+  read_positions(status());
   if (!failure.empty()) throw DriveError(failure);
 }
 
@@ -383,15 +387,24 @@ void PlanarRobot::halt_after(const std::exception& cause) {
   try {
     halt();
   } catch (const DriveError& error) {
-    throw DriveError(fmt::format("{}; {}", cause.what(), error.what()));
+    throw_failure(fmt::format("{}; {}", cause.what(), error.what()));
   }
 }
 
+void PlanarRobot::throw_failure(const std::string& fault) const {
+  if (by_hand_.empty()) throw DriveError(fault);
+  throw StoppedByHand({fault.find(by_hand_.substr(by_hand_.find(": "))) != fault.npos
+                           ? fault
+                           : fault + (fault.empty() ? "" : "; ") + by_hand_,
+                       "see to the machine, then `enable`, or start again"});
+}
+
 PlanarRobot::Status PlanarRobot::require_well() {
-  Status status = drives_.status();
+  Status status = this->status();
   for (std::size_t i = 0; i < 3; ++i) {
-    planar::require_well(i, status[i], "reports");
-    if (!status[i].energized) throw DriveError(fmt::format("drive {} is switched off", i + 1));
+    if (!status[i].faults.empty())
+      throw_failure(fmt::format("drive {} reports: {}", i + 1, words_of(status[i])));
+    if (!status[i].energized) throw_failure(fmt::format("drive {} is switched off", i + 1));
   }
   return status;
 }
@@ -416,16 +429,14 @@ void PlanarRobot::wait_for_rest(double duration_s) {
   wait_for(kTimeoutFactor * duration_s + kTimeoutMargin_s, [](const auto& status) {
     return std::none_of(status.begin(), status.end(), [](const auto& s) { return s.moving; });
   });
-  read_positions(drives_.status());
+  read_positions(status());
 }
 
 PlanarRobot::Status PlanarRobot::status_under_way() {
-  Status status = drives_.status();
-  for (std::size_t i = 0; i < 3; ++i) {
-    planar::require_well(i, status[i], "failed on its way");
-    if (!status[i].energized)
-      throw DriveError(fmt::format("drive {} failed on its way: it is switched off", i + 1));
-  }
+  Status status = this->status();
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!status[i].faults.empty() || !status[i].energized)
+      throw_failure(fmt::format("drive {} failed on its way: {}", i + 1, words_of(status[i])));
   note_speeds(status);
   return status;
 }

@@ -160,6 +160,11 @@ class PlanarRobot {
  private:
   using Status = std::array<DriveStatus, 3>;
 
+  /// Returns the drives' states, and keeps the first stop by hand among them.
+  Status status();
+  /// Throws StoppedByHand where such a stop was seen since the arm was switched on, else
+  /// DriveError.
+  [[noreturn]] void throw_failure(const std::string& fault) const;
   /// Halts all drives. When one cannot be told, throws DriveError with `cause` and that drive.
   void halt_after(const std::exception& cause);
   Status require_well();
@@ -195,6 +200,7 @@ class PlanarRobot {
   std::array<bool, 3> forgotten_{};  ///< the drive's own position counts for nothing
   VelocityMove turning_;             ///< the last one, under velocity control
   bool velocity_control_{false};
+  std::string by_hand_;  ///< the first stop by hand that was seen since switch_on(), in words
   Eigen::Vector3d seen_pulses_{0.0, 0.0, 0.0};  ///< at the last look, when, and how fast
   double seen_s_{0.0};
   Eigen::Vector3d speed_pulses_s_{0.0, 0.0, 0.0};

@@ -106,11 +106,14 @@ class SightHoming {
     const Transmission& transmission = cell_.planner.transmission();
     const Joints theta = left_.front().theta;
     const ApproachWay way = approach_way(cell_.planner, cell_.settings.servo, theta, theta);
-    if (way.refusal || way.barred) return;
+    const auto stays = [] {
+      spdlog::warn("homing by sight: there is no room to take up the play of the gears here");
+    };
+    if (way.refusal || way.barred) return stays();
     const Eigen::Vector3d back =
         transmission.motors_from_joints(way.stops.front()) - transmission.motors_from_joints(theta);
     for (int i = 0; i < 3; ++i)
-      if (!may_turn(theta, i, back[i])) return;
+      if (!may_turn(theta, i, back[i])) return stays();
     robot_.set_joints(theta);
     for (const Joints& stop : way.stops) go_to(stop);
   }

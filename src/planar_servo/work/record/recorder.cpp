@@ -200,6 +200,8 @@ class Recorder {
   std::optional<Obstacle> try_to_arrive(const Joints& theta, const PlanarRobot::Guard& guard) {
     try {
       return arrive(robot_, planner_, cell_.servo, theta, guard);
+    } catch (const StoppedByHand&) {
+      throw;
     } catch (const DriveError& error) {
       throw DriveError({error.what(), "mend the drives, then start again to continue", place_});
     }
