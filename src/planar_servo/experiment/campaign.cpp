@@ -215,7 +215,8 @@ void CampaignRows::append(std::uint32_t seed, nlohmann::json figures) {
 }
 
 void CampaignRows::read_new_rows() {
-  const std::string text = read_file(file_).substr(read_);
+  const std::string all = read_file(file_);
+  const std::string text = all.substr(std::min(read_, all.size()));
   for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos;
        begin = end + 1) {
     if (lines_++ > 0) take_line(text.substr(begin, end - begin));
