@@ -189,16 +189,29 @@ TEST_CASE("Whatever a board counts, its drives home before anything is planned, 
   }
 }
 
-TEST_CASE("A drive is waited for three times on the way to a target, whatever the camera does") {
+/// Sends an arm whose drive always fails to a target, and expects that it gives up by an `Error`
+/// after so many failures and looks.
+template <typename Error>
+void expect_given_up(FlakyCell& devices, int failures, int looks) {
   const test::TemporaryFolder folder;
-  FlakyCell devices;
   ServoRequest request = ideal_request(folder);
   request.policy.checks_health = false;
   ServoRun run(request, devices);
-  CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), DriveError);
-  CHECK(devices.lost.asked == 1);
-  CHECK(devices.flaky.failures == 4);
+  CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), Error);
+  CHECK(devices.lost.asked == looks);
+  CHECK(devices.flaky.failures == failures);
   CHECK_FALSE(run.has("a"));
+}
+
+TEST_CASE("A drive is waited for three times on the way to a target, whatever the camera does") {
+  FlakyCell devices;
+  expect_given_up<DriveError>(devices, 4, 1);
+}
+
+TEST_CASE("An arm that a person stops is not switched on again by the run") {
+  FlakyCell devices;
+  devices.flaky.by_hand = true;
+  expect_given_up<StoppedByHand>(devices, 1, 0);
 }
 
 TEST_CASE("A run that fails before the arm moves to a target leaves no folder, a later one does") {
@@ -226,19 +239,6 @@ TEST_CASE("A camera that is not back within a minute ends the run without a resu
   CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
                     Catch::Contains("not back within 60 s") && Catch::Contains("start again"));
   CHECK(devices.clock().now_s() - start_s >= 60.0);
-  CHECK_FALSE(run.has("a"));
-}
-
-TEST_CASE("An arm that a person stops is not switched on again by the run") {
-  const test::TemporaryFolder folder;
-  FlakyCell devices;
-  devices.flaky.by_hand = true;
-  ServoRequest request = ideal_request(folder);
-  request.policy.checks_health = false;
-  ServoRun run(request, devices);
-  CHECK_THROWS_AS(run.move_to({"a", {0.3, 0.2}, std::nullopt}), StoppedByHand);
-  CHECK(devices.flaky.failures == 1);
-  CHECK(devices.lost.asked == 0);
   CHECK_FALSE(run.has("a"));
 }
 
