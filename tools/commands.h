@@ -38,8 +38,7 @@ constexpr Command kCommands[] = {
      "Finds a workpiece by its marks, so that targets and paths may be those of its drawing."},
     {"teach-tool",
      "Finds where a tool's tip is, by bringing it to one mark in several directions, and whether "
-     "it "
-     "still is there."},
+     "it still is there."},
     {"servo",
      "Positions the end point at targets, or leads it along a path, by vision and logs every "
      "step."},

@@ -19,23 +19,19 @@ std::vector<Argument> options_after(const Usage& program, const Usage& command) 
   return options;
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos;
-       at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
-}
-
-/// Returns the patterns of the files that may be given; "/" for folders only.
-std::vector<std::string> patterns_of(const Values& values) {
-  return values.files.empty() && values.folders ? std::vector<std::string>{"/"} : values.files;
-}
-
-/// Returns the call that offers these values: the words, then patterns of files.
+/// Returns the call that offers these values: the words, then patterns of files; "/" for folders
+/// only.
 std::string offer(const Values& values) {
   std::string call = fmt::format("_planar_offer \"{}\"", fmt::join(values.words, " "));
-  for (const std::string& pattern : patterns_of(values)) call += " \"" + pattern + "\"";
-  return call;
+  for (const std::string& pattern : values.files) call += " \"" + pattern + "\"";
+  return values.files.empty() && values.folders ? call + " \"/\"" : call;
+}
+
+/// Returns the names by which options are offered: the long one where there is one.
+std::string offered_names(const std::vector<Argument>& options) {
+  std::vector<std::string> names;
+  for (const Argument& option : options) names.push_back(option.names.back());
+  return fmt::format("{}", fmt::join(names, " "));
 }
 
 std::vector<std::string> names_of_commands(const Usage& program) {
@@ -63,8 +59,9 @@ std::vector<Context> contexts_of(const Usage& program) {
   return contexts;
 }
 
-std::string function_of(const std::string& program) {
-  return "_" + replaced(program, "-", "_");
+std::string function_of(std::string program) {
+  std::replace(program.begin(), program.end(), '-', '_');
+  return "_" + program;
 }
 
 constexpr char kBashOffer[] = R"(_planar_offer() {
@@ -143,13 +140,9 @@ std::string bash_values(const std::vector<Context>& contexts) {
 
 std::string bash_options(const std::vector<Context>& contexts) {
   std::string cases;
-  for (const Context& context : contexts) {
-    std::vector<std::string> names;
-    for (const Argument& option : context.options)
-      if (!option.names.empty()) names.push_back(option.names.back());
+  for (const Context& context : contexts)
     cases += fmt::format("    {}:*:-*) _planar_offer \"{}\" ;;\n", context.command,
-                         fmt::join(names, " "));
-  }
+                         offered_names(context.options));
   return cases;
 }
 
@@ -176,10 +169,9 @@ std::string completion_script(const Usage& program) {
                           fmt::join(names_of_commands(program), " "));
   script += bash_places("", program.places);
   for (const Usage& command : program.commands) script += bash_places(command.name, command.places);
-  std::vector<std::string> names;
-  for (const Argument& option : program.options) names.push_back(option.names.back());
   return script + fmt::format("    :*) _planar_offer \"{}\" ;;\n  esac\n}}\ncomplete -F {} {}\n",
-                              fmt::join(names, " "), function_of(program.name), program.name);
+                              offered_names(program.options), function_of(program.name),
+                              program.name);
 }
 
 }  // namespace planar

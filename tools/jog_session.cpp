@@ -21,18 +21,16 @@ namespace {
 /// Whether a line was typed since it was last forgotten, by somebody at a terminal.
 class TypedLine {
  public:
-  bool is_there() const { return at_terminal_ && is_readable(); }
+  bool is_there() const {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    return at_terminal_ && poll(&input, 1, 0) > 0;
+  }
   void forget() const {
     if (at_terminal_) tcflush(STDIN_FILENO, TCIFLUSH);
   }
   bool at_terminal() const { return at_terminal_; }
 
  private:
-  static bool is_readable() {
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    return poll(&input, 1, 0) > 0;
-  }
-
   bool at_terminal_{isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0};
 };
 
@@ -98,10 +96,6 @@ class Session {
   std::size_t commands_{0}, refused_{0};
 };
 
-bool ends(const std::string& command) {
-  return verb_of(command) == "quit";
-}
-
 }  // namespace
 
 Outcome jog_by_lines(const CellSettings& cell, const std::filesystem::path& teach) {
@@ -115,7 +109,8 @@ Outcome jog_by_lines(const CellSettings& cell, const std::filesystem::path& teac
       [&](const std::string& sentence) { status.show(sentence + "; Enter stops the arm"); });
   Session session(console, status, typed);
   if (typed.at_terminal()) say("{}\n", arm_command_help());
-  for (std::string line; !interrupted() && std::getline(std::cin, line) && !ends(line);) {
+  for (std::string line;
+       !interrupted() && std::getline(std::cin, line) && verb_of(line) != "quit";) {
     if (std::cin.eof()) {
       session.refuse_torn(line);
       continue;

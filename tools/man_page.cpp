@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <sstream>
 
 #include "commands.h"
@@ -24,45 +25,20 @@ The usage or the input is wrong. The message on standard error names what, where
 the remedy. Nothing was written and nothing has moved.
 )";
 
-constexpr char kPassedStatus[] = ".PP\nAfter a command, the status is that of its program.\n";
-
 /// Writes a text so that man(7) prints it letter by letter.
 std::string plain(const std::string& text) {
+  static const std::map<char, std::string> escapes{{'\\', "\\e"},  {'-', "\\-"},   {'\'', "\\(aq"},
+                                                   {'`', "\\(ga"}, {'^', "\\(ha"}, {'~', "\\(ti"}};
   std::string escaped;
-  for (const char letter : text) switch (letter) {
-      case '\\':
-        escaped += "\\e";
-        break;
-      case '-':
-        escaped += "\\-";
-        break;
-      case '\'':
-        escaped += "\\(aq";
-        break;
-      case '`':
-        escaped += "\\(ga";
-        break;
-      case '^':
-        escaped += "\\(ha";
-        break;
-      case '~':
-        escaped += "\\(ti";
-        break;
-      default:
-        escaped += letter;
-    }
+  for (const char letter : text) {
+    const auto escape = escapes.find(letter);
+    escaped += escape == escapes.end() ? std::string(1, letter) : escape->second;
+  }
   return escaped.rfind('.', 0) == 0 ? "\\&" + escaped : escaped;
 }
 
 std::string bold(const std::string& text) {
   return "\\fB" + plain(text) + "\\fR";
-}
-
-std::string lines_of(const std::string& text) {
-  std::istringstream in(text);
-  std::string written;
-  for (std::string line; std::getline(in, line);) written += plain(line) + "\n";
-  return written;
 }
 
 /// Returns a sentence as the line of NAME has it: without its capital and its full stop.
@@ -125,7 +101,10 @@ std::string arguments_text(const Usage& usage) {
 }
 
 std::string as_it_stands(const std::string& lines) {
-  return ".nf\n" + lines_of(lines) + ".fi\n";
+  std::istringstream in(lines);
+  std::string text = ".nf\n";
+  for (std::string line; std::getline(in, line);) text += plain(line) + "\n";
+  return text + ".fi\n";
 }
 
 std::string sample_text(const std::string& sample) {
@@ -189,7 +168,8 @@ std::string man_page(const ProgramText& text, const Usage& program, const std::s
   page += ".SH OPTIONS\n" + arguments_text(program);
   if (!program.footer.empty()) page += ".SH NOTES\n" + as_it_stands(program.footer);
   page += kExitStatus;
-  if (program.name == kLauncher.name) page += kPassedStatus;
+  if (program.name == kLauncher.name)
+    page += ".PP\nAfter a command, the status is that of its program.\n";
   if (text.commands.empty() && !text.sample.empty())
     page += ".SH EXAMPLE\n" + sample_text(text.sample);
   return page + see_also(program.name);

@@ -1,5 +1,3 @@
-#include <CLI/CLI.hpp>
-
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -40,19 +38,17 @@ void add_options(CLI::App& app, Options& options) {
             "A4, A3 or WIDTHxHEIGHTmm; by default just as large as needed");
   CLI::Option* cell = add_value(app, "--cell", options.cell, "cell.yaml",
                                 "the cell whose tool is drawn, by its `lamps`");
-  add_value(app, "--reflector-mm", options.reflector_mm, "X,Y",
-            "the reflector beside the end point: x along the arrow from lamp 1 to lamp 2, y to its "
-            "left as seen from above")
+  add_default(
+      app, "--reflector-mm", options.reflector_mm, "X,Y",
+      "the reflector beside the end point: x along the arrow from lamp 1 to lamp 2, y to its "
+      "left as seen from above")
       ->delimiter(',')
       ->expected(2)
       ->check(within(-1000.0, 1000.0))
-      ->needs(cell)
-      ->capture_default_str();
-  app.add_option("--ball-mm", options.ball_mm, "diameter of the reflector")
+      ->needs(cell);
+  add_default(app, "--ball-mm", options.ball_mm, "D", "diameter of the reflector")
       ->check(within(1.0, 200.0))
-      ->type_name("D")
-      ->needs(cell)
-      ->capture_default_str();
+      ->needs(cell);
 }
 
 Outcome draw_tool(const Options& options, PageFormat format) {

@@ -1,4 +1,3 @@
-
 #include <regex>
 
 #include "planar_servo/base/core/error.h"
@@ -72,13 +71,12 @@ void add_options(CLI::App& app, Options& options) {
       app, "--grid", options.grid, "GRID",
       "circles:COLSxROWS:PITCHmm; acircles:4x11:20mm for rows shifted by a pitch, half of that "
       "between the dots of a row; or chessboard:COLSxROWS:PITCHmm, which counts inner corners");
-  add_value(
+  add_default(
       app, "--model", options.model,
       "pinhole|plumb_bob_k1|plumb_bob|rational_polynomial|opencv_14|equidistant|visp|auto",
       "the lens model: opencv_14 has thin prism and a tilted sensor, visp is written to an .xml "
       "file; auto is the simplest that predicts views left out as well as any, opencv_14 and visp "
-      "not tried")
-      ->capture_default_str();
+      "not tried");
   auto* points = add_value(app, "--points", options.points, "FILE",
                            "a file of pixels `u v` found by another program, instead of "
                            "images: view after view, each row by row");

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "homing_options.h"
@@ -50,16 +49,12 @@ void add_options(CLI::App& app, Options& options) {
   add_required(app, "--out", options.request.servo.folder.path, "DIR",
                "folder for the page, the figures and every cycle; the same command continues a "
                "run that was broken off");
-  app.add_option("--cycles", options.request.size.cycles,
-                 "cycles of the five poses, and of the directions of approach; the standard has 30")
-      ->check(CLI::Range(CertificateSize::kLeastCycles, CertificateSize::kMostCycles))
-      ->type_name("N")
-      ->capture_default_str();
-  app.add_option("--targets", options.request.size.targets,
-                 "targets over the whole workspace; with fewer than 72 the 95 % have no interval")
-      ->check(CLI::Range(1, CertificateSize::kMostTargets))
-      ->type_name("N")
-      ->capture_default_str();
+  add_default(app, "--cycles", options.request.size.cycles, "N",
+              "cycles of the five poses, and of the directions of approach; the standard has 30")
+      ->check(CLI::Range(CertificateSize::kLeastCycles, CertificateSize::kMostCycles));
+  add_default(app, "--targets", options.request.size.targets, "N",
+              "targets over the whole workspace; with fewer than 72 the 95 % have no interval")
+      ->check(CLI::Range(1, CertificateSize::kMostTargets));
   add_homing_options(app, options.homing);
   add_choice(
       app, "--by", options.by, {kMoves, kScaleBar},
@@ -68,12 +63,10 @@ void add_options(CLI::App& app, Options& options) {
   auto* bar = add_value(app, "--bar", options.bar, "bar.csv",
                         "the bar's two marks, as planar-find-work reads those of a work, at their "
                         "certified distance");
-  app.add_option("--bar-sigma-mm", options.bar_sigma_mm,
-                 "standard deviation of that distance, its growth by warmth included")
+  add_default(app, "--bar-sigma-mm", options.bar_sigma_mm, "S",
+              "standard deviation of that distance, its growth by warmth included")
       ->needs(bar)
-      ->check(CLI::PositiveNumber)
-      ->type_name("S")
-      ->capture_default_str();
+      ->check(CLI::PositiveNumber);
   add_value(app, "--image", options.images, "FILE",
             "whole pictures of the bar that were taken before; else it is asked for at a terminal")
       ->needs(bar);
@@ -149,9 +142,10 @@ Outcome certify(const Options& options) {
   }
   const CertificateRequest request = request_of(options);
   heed_interrupts();
-  ProgressBar bar("moves");
+  std::optional<ProgressBar> bar("moves");
   const Certificate certificate = certificate_of(run_certificate(
-      request, open_cell, [&](std::size_t done, std::size_t all) { bar.show(done, all); }));
+      request, open_cell, [&](std::size_t done, std::size_t all) { bar->show(done, all); }));
+  bar.reset();
   if (!certificate.run.ended_by.empty())
     spdlog::error(fmt::format(
         "{}; the cell is in doubt and no further move was made; mend it, then give the same "

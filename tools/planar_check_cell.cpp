@@ -1,6 +1,3 @@
-
-#include <nlohmann/json.hpp>
-
 #include "homing_options.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"

@@ -1,6 +1,3 @@
-
-#include <utility>
-
 #include "planar_servo/base/core/purpose.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/files/map_file.h"
@@ -52,12 +49,11 @@ Outcome check_pairs(const Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--plan", options.plans,
-                 "judge only pairs of these plans; without it all but train")
+  add_value(app, "--plan", options.plans, "NAME",
+            "judge only pairs of these plans; without it all but train")
       ->check(CLI::IsMember(names_of(kPurposes)))
       ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+      ->allow_extra_args(false);
   add_required(app, "map", options.map, "map.yaml", "the map");
   add_required(app, "pairs", options.pairs, "pairs.csv", "the pairs");
 }

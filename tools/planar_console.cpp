@@ -22,20 +22,17 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
-  add_value(app, "--port", options.listening.port, "N",
-            "port on which the page is served; 0 takes a free one")
-      ->check(within(0, 65535))
-      ->capture_default_str();
-  add_value(app, "--listen", options.listening.address, "ADDRESS",
-            "address of this computer on which the page is served; others than 127.0.0.1 need a "
-            "certificate and its key")
-      ->capture_default_str();
+  add_default(app, "--port", options.listening.port, "N",
+              "port on which the page is served; 0 takes a free one")
+      ->check(within(0, 65535));
+  add_default(app, "--listen", options.listening.address, "ADDRESS",
+              "address of this computer on which the page is served; others than 127.0.0.1 need a "
+              "certificate and its key");
   add_value(app, "--certificate", options.listening.certificate, "FILE.pem",
             "serve by https with this certificate");
-  app.add_option("--origin", options.listening.origins,
-                 "address at which a proxy or tunnel shows the page, such as "
-                 "https://arm.example.org; may be given several times")
-      ->type_name("ORIGIN")
+  add_value(app, "--origin", options.listening.origins, "ORIGIN",
+            "address at which a proxy or tunnel shows the page, such as "
+            "https://arm.example.org; may be given several times")
       ->check([](const std::string& origin) {
         const bool good = origin.rfind("http://", 0) == 0 || origin.rfind("https://", 0) == 0;
         return good && std::count(origin.begin(), origin.end(), '/') == 2

@@ -1,9 +1,4 @@
-#include <fmt/format.h>
-
 #include <cstdlib>
-#include <filesystem>
-#include <string>
-#include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/checksum.h"

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -8,12 +7,9 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
-#include <optional>
 #include <system_error>
 #include <thread>
-#include <vector>
 
 #include "homing_options.h"
 #include "planar_servo/base/core/error.h"
@@ -53,9 +49,22 @@ class Crew {
  public:
   /// Becomes so many processes, by default as many as the machine has cores, unless mpirun started
   /// several. Call it before threads are started. Throws InputError for a number beside mpirun.
-  explicit Crew(const std::optional<int>& processes);
+  explicit Crew(const std::optional<int>& processes) {
+    const char* rank = rank_number();
+    if (rank == nullptr) {
+      fork_copies(processes.value_or(std::max(1U, std::thread::hardware_concurrency())) - 1);
+      return;
+    }
+    if (processes)
+      throw InputError(
+          Refusal{"--jobs does not go with mpirun, whose ranks share the work", "leave one out"});
+    leads_ = std::string(rank) == "0";
+  }
   /// Waits for the others in the process that leads.
-  ~Crew();
+  ~Crew() {
+    for (const int copy : copies_)
+      while (waitpid(copy, nullptr, 0) < 0 && errno == EINTR) continue;
+  }
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
@@ -63,65 +72,35 @@ class Crew {
   bool leads() const { return leads_; }
 
  private:
-  void fork_copies(int count);
+  void fork_copies(int count) {
+    const pid_t leader = getpid();
+    for (int i = 0; i < count; ++i) {
+      const pid_t copy = fork();
+      if (copy < 0)
+        throw WorkError(fmt::format("process {} of {} could not be started: {}", i + 2, count + 1,
+                                    std::generic_category().message(errno)));
+      if (copy > 0) {
+        copies_.push_back(copy);
+        continue;
+      }
+      leads_ = false;
+      copies_.clear();
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (getppid() != leader) _exit(1);  // it ended before
+      return;
+    }
+  }
 
   bool leads_{true};
   std::vector<int> copies_;  ///< process ids
 };
-
-Crew::Crew(const std::optional<int>& processes) {
-  const char* rank = rank_number();
-  if (rank == nullptr) {
-    fork_copies(processes.value_or(std::max(1U, std::thread::hardware_concurrency())) - 1);
-    return;
-  }
-  if (processes)
-    throw InputError(
-        Refusal{"--jobs does not go with mpirun, whose ranks share the work", "leave one out"});
-  leads_ = std::string(rank) == "0";
-}
-
-Crew::~Crew() {
-  for (const int copy : copies_)
-    while (waitpid(copy, nullptr, 0) < 0 && errno == EINTR) continue;
-}
-
-void Crew::fork_copies(int count) {
-  const pid_t leader = getpid();
-  for (int i = 0; i < count; ++i) {
-    const pid_t copy = fork();
-    if (copy < 0)
-      throw WorkError(fmt::format("process {} of {} could not be started: {}", i + 2, count + 1,
-                                  std::generic_category().message(errno)));
-    if (copy > 0) {
-      copies_.push_back(copy);
-      continue;
-    }
-    leads_ = false;
-    copies_.clear();
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != leader) _exit(1);  // it ended before
-    return;
-  }
-}
-
-/// Throws InputError under mpirun: its ranks would all do the same work.
-void require_no_ranks() {
-  if (rank_number() != nullptr)
-    throw InputError(Refusal{"mpirun shares the cells of --seeds N among its ranks",
-                             "without --seeds leave it out"});
-}
-
-/// Cells are drawn from numbers of 32 bits.
-constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::uint32_t>::max();
 
 struct Options {
   std::filesystem::path cell, out;
   std::string grid{"circles:11x11:50mm"};
   std::uint64_t seed{1};
   int seeds{0}, unattended{0}, lays{1};
-  std::optional<int> jobs;
-  std::optional<int> train, loop_only;
+  std::optional<int> jobs, train, loop_only;
   std::optional<double> board_thickness_mm;
   std::string like{"paper"}, display{"none"};
   bool predict{false}, accept_step{false}, accept_map{false};
@@ -133,50 +112,43 @@ void add_options(CLI::App& app, Options& options) {
   add_required(app, "--out", options.out, "DIR",
                "folder for the recording, each chain's files and the report; what the same "
                "command left there unfinished is continued");
-  add_value(app, "--grid", options.grid, "BOARD", "the calibration board")->capture_default_str();
+  add_default(app, "--grid", options.grid, "BOARD", "the calibration board");
   app.add_option("--seed", options.seed, "draws the training and test positions")
       ->capture_default_str();
-  app.add_option("--train", options.train,
-                 "tracker readings that our calibration takes, sweeps included; without the option "
-                 "the paper's 200 places and two sweeps of 24; with 0 lays of the board give the "
-                 "scale, and only the paper's chain has readings")
-      ->check(CLI::Range(0, 100000))
-      ->type_name("N");
-  app.add_option("--loop-only", options.loop_only,
-                 "a short experiment: so many targets on each of the four control circles and as "
-                 "many test positions in all, without the places of tables 1 to 6; without the "
-                 "option the paper's 25 targets and all its circles")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N");
-  app.add_option("--unattended", options.unattended,
-                 "places that only the camera watches, which tell arm and camera apart")
-      ->check(CLI::Range(0, 100000))
-      ->type_name("M");
-  app.add_option("--lays", options.lays,
-                 "views of the board laid on the plane: the first in the middle, the others "
-                 "anywhere in view and turned")
-      ->check(CLI::Range(1, 100))
-      ->type_name("L")
-      ->capture_default_str();
+  add_value(app, "--train", options.train, "N",
+            "tracker readings that our calibration takes, sweeps included; without the option "
+            "the paper's 200 places and two sweeps of 24; with 0 lays of the board give the "
+            "scale, and only the paper's chain has readings")
+      ->check(CLI::Range(0, 100000));
+  add_value(app, "--loop-only", options.loop_only, "N",
+            "a short experiment: so many targets on each of the four control circles and as "
+            "many test positions in all, without the places of tables 1 to 6; without the "
+            "option the paper's 25 targets and all its circles")
+      ->check(CLI::Range(1, 1000));
+  add_value(app, "--unattended", options.unattended, "M",
+            "places that only the camera watches, which tell arm and camera apart")
+      ->check(CLI::Range(0, 100000));
+  add_default(app, "--lays", options.lays, "L",
+              "views of the board laid on the plane: the first in the middle, the others "
+              "anywhere in view and turned")
+      ->check(CLI::Range(1, 100));
   add_value(app, "--board-thickness-mm", options.board_thickness_mm, "T",
             "height of the laid board's dots above the lamps' plane, negative below: with it the "
             "lays show the vision error, too")
       ->check(within(-1000.0, 1000.0));
   auto* seeds =
-      app.add_option("--seeds", options.seeds,
-                     "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...; each "
-                     "has its row in DIR/rows.jsonl as soon as it is done")
-          ->check(CLI::Range(1, 10000))
-          ->type_name("N");
+      add_value(app, "--seeds", options.seeds, "N",
+                "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...; each "
+                "has its row in DIR/rows.jsonl as soon as it is done")
+          ->check(CLI::Range(1, 10000));
   add_choice(app, "--like", options.like, names_of(kCellKinds),
              "the kind of cells that --seeds draws, as planar-virtual-cell draw knows them")
       ->needs(seeds);
-  app.add_option("--jobs", options.jobs,
-                 "processes that share the cells; without the option as many as there are cores, "
-                 "and under mpirun its ranks")
+  add_value(app, "--jobs", options.jobs, "J",
+            "processes that share the cells; without the option as many as there are cores, "
+            "and under mpirun its ranks")
       ->check(CLI::Range(1, 1000))
-      ->needs(seeds)
-      ->type_name("J");
+      ->needs(seeds);
   app.add_flag("--accept-step", options.accept_step,
                "calibrate from the recording although something seems to have moved while it was "
                "made, which would cost more than 0.05 mm at the end point");
@@ -192,6 +164,7 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
+  constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::uint32_t>::max();
   if (options.seed > kLargestSeed - static_cast<std::uint64_t>(options.seeds - 1))
     throw InputError(
         {fmt::format("the last of {} seeds would be beyond {}", options.seeds, kLargestSeed),
@@ -234,7 +207,9 @@ ExperimentRequest request_of(const Options& options) {
 }
 
 Outcome run(const Options& options) {
-  if (options.seeds == 0) require_no_ranks();
+  if (options.seeds == 0 && rank_number() != nullptr)  // all ranks would do the same work
+    throw InputError(Refusal{"mpirun shares the cells of --seeds N among its ranks",
+                             "without --seeds leave it out"});
   const ExperimentRequest request = request_of(options);
   if (options.predict) return told(prediction_list(predict_experiment(request)));
   if (options.seeds > 0) return run_many(request, options);

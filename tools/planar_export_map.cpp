@@ -1,6 +1,3 @@
-#include <CLI/CLI.hpp>
-
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"

@@ -1,10 +1,5 @@
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <filesystem>
-
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibrated_cell.h"
@@ -47,32 +42,26 @@ void add_options(CLI::App& app, Options& options) {
                "the work's marks in its drawing: id, x_mm, y_mm, kind, size_mm[, z_mm, "
                "sigma_z_mm]; x right and y up, seen from above; z over the lamps' plane");
   add_required(app, "-o,--out", options.out, "work.yaml", "the file to write");
-  auto* near = app.add_option("--near", options.near,
-                              "where the drawing's origin should be, and how it is turned, mm and "
-                              "deg in the base frame; by default anywhere in the picture")
+  auto* near = add_value(app, "--near", options.near, "X,Y[,TURN]",
+                         "where the drawing's origin should be, and how it is turned, mm and "
+                         "deg in the base frame; by default anywhere in the picture")
                    ->delimiter(',')
-                   ->expected(2, 3)
-                   ->type_name("X,Y[,TURN]");
-  app.add_option("--within", options.within_mm, "how far from there it may be")
+                   ->expected(2, 3);
+  add_default(app, "--within", options.within_mm, "MM", "how far from there it may be")
       ->needs(near)
-      ->check(CLI::PositiveNumber)
-      ->type_name("MM")
-      ->capture_default_str();
+      ->check(CLI::PositiveNumber);
   add_choice(app, "--map", options.map, names_of(kWorkMaps),
              "the most the drawing may have changed: a similarity allows a shrunk print; two marks "
              "never give more than rigid");
-  app.add_option("--drawing-sigma-mm", options.drawing_sigma_mm,
-                 "standard deviation of a mark about its drawing; 0.02 is that of an etched board "
-                 "or a milled plate")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S")
-      ->capture_default_str();
+  add_default(app, "--drawing-sigma-mm", options.drawing_sigma_mm, "S",
+              "standard deviation of a mark about its drawing; 0.02 is that of an etched board "
+              "or a milled plate")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--all", options.all, "keep every work of the drawing that is found, as on a panel");
-  app.add_option("--exposure-ms", options.exposure_ms,
-                 "expose for so long, where the marks are darker than the lamps; by default as the "
-                 "camera is set")
-      ->check(CLI::PositiveNumber)
-      ->type_name("T");
+  add_value(app, "--exposure-ms", options.exposure_ms, "T",
+            "expose for so long, where the marks are darker than the lamps; by default as the "
+            "camera is set")
+      ->check(CLI::PositiveNumber);
   app.add_option("--frames", options.frames, "pictures to take")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -127,10 +116,9 @@ Outcome find(const Options& options) {
   write_file(options.out,
              work_text({options.out, exposure_of(options), works},
                        work_origins(settings, options.drawing, uses_error_map(cell)), kText.name));
-  const ReportList list = work_list(works);
-  say("{}", list.text());
+  const Outcome outcome = told(work_list(works));
   if (page) write_page(*page, work_page(works, frames.front().image, options.out));
-  return {list.json()};
+  return outcome;
 }
 
 }  // namespace

@@ -1,8 +1,5 @@
 #include <spdlog/spdlog.h>
 
-#include <optional>
-#include <utility>
-
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -16,7 +13,6 @@
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
-#include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
 #include "program.h"
 
@@ -94,11 +90,12 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
   const VisionCalibration vision = read_vision(cell, false);
   require_belonging(contradictions(files.inputs(), origins_in(cell, calibration_files(cell, false)),
                                    values_of(kRoles)));
-  ProgressBar bar;
   const SteadyClock clock;
   const double begin_s = clock.now_s();
+  std::optional<ProgressBar> bar(std::in_place);
   const LampFieldFit fit = learn_lamp_field(
-      files, cell, vision, [&](const char* phase, double share) { bar.show(phase, share); });
+      files, cell, vision, [&](const char* phase, double share) { bar->show(phase, share); });
+  bar.reset();
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
   warn_of(objection(fit.quality()), options.output);
@@ -132,50 +129,39 @@ Outcome fit(const Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   CLI::Option* method =
-      add_value(app, "--method", options.method, "auto|rbf|idw|hand:WIDTH_MM",
-                "how a map at the end point is fitted: auto by leave-one-out error, rbf with one "
-                "Gaussian width, idw by distances, hand with the paper's Gaussian")
-          ->capture_default_str();
+      add_default(app, "--method", options.method, "auto|rbf|idw|hand:WIDTH_MM",
+                  "how a map at the end point is fitted: auto by leave-one-out error, rbf with one "
+                  "Gaussian width, idw by distances, hand with the paper's Gaussian");
   CLI::Option* cell =
-      app.add_option("--cell", options.cell,
-                     "the cell: learn the error at the lamps together with its arm, from readings "
-                     "and from poses without one")
-          ->excludes(method)
-          ->type_name("cell.yaml");
-  app.add_option("--lays", options.lays,
-                 "dots of a board laid on the plane, by planar-pair-tracker --lays-out: they give "
-                 "the field's shape and, with a known pitch, its scale")
-      ->needs(cell)
-      ->type_name("lays.csv");
+      add_value(app, "--cell", options.cell, "cell.yaml",
+                "the cell: learn the error at the lamps together with its arm, from readings "
+                "and from poses without one")
+          ->excludes(method);
+  add_value(app, "--lays", options.lays, "lays.csv",
+            "dots of a board laid on the plane, by planar-pair-tracker --lays-out: they give "
+            "the field's shape and, with a known pitch, its scale")
+      ->needs(cell);
   CLI::Option* bar =
-      app.add_option("--bar", options.bar,
-                     "the two marks of a bar of certified length, as work.csv has them: its "
-                     "pictures give the scale")
-          ->needs(cell)
-          ->type_name("bar.csv");
-  app.add_option("--bar-sigma-mm", options.bar_sigma_mm,
-                 "standard deviation of its length, its growth by warmth included")
+      add_value(app, "--bar", options.bar, "bar.csv",
+                "the two marks of a bar of certified length, as work.csv has them: its "
+                "pictures give the scale")
+          ->needs(cell);
+  add_default(app, "--bar-sigma-mm", options.bar_sigma_mm, "S",
+              "standard deviation of its length, its growth by warmth included")
       ->needs(bar)
-      ->check(CLI::PositiveNumber)
-      ->type_name("S")
-      ->capture_default_str();
+      ->check(CLI::PositiveNumber);
   CLI::Option* marks =
-      app.add_option("--marks", options.marks,
-                     "marks of the base at their places in its frame, as work.csv has them: they "
-                     "give datum and turn")
-          ->needs(cell)
-          ->type_name("marks.csv");
-  app.add_option("--marks-sigma-mm", options.marks_sigma_mm,
-                 "standard deviation of such a place per axis")
+      add_value(app, "--marks", options.marks, "marks.csv",
+                "marks of the base at their places in its frame, as work.csv has them: they "
+                "give datum and turn")
+          ->needs(cell);
+  add_default(app, "--marks-sigma-mm", options.marks_sigma_mm, "S",
+              "standard deviation of such a place per axis")
       ->needs(marks)
-      ->check(CLI::PositiveNumber)
-      ->type_name("S")
-      ->capture_default_str();
+      ->check(CLI::PositiveNumber);
   add_value(app, "--image", options.images, "FILE",
             "whole pictures of the bar and of the base's marks");
-  app.add_option("--arm-out", options.arm_out, "the arm that was found")
-      ->needs(cell)
-      ->type_name("arm.yaml");
+  add_value(app, "--arm-out", options.arm_out, "arm.yaml", "the arm that was found")->needs(cell);
   add_report_option(app, options.report);
   add_required(app, "-o,--out", options.output, "map.yaml", "the map to write");
   add_required(app, "pairs", options.pairs, "pairs.csv", "the pairs");

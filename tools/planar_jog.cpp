@@ -1,6 +1,3 @@
-#include <filesystem>
-#include <string>
-
 #include "jog_session.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/jog/arm_command.h"

@@ -1,7 +1,4 @@
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
-
-#include <filesystem>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -66,10 +63,9 @@ std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
 /// option for an image.
 void require_inputs(const std::vector<fs::path>& inputs) {
   Faults faults;
-  for (const fs::path& input : inputs) {
+  for (const fs::path& input : inputs)
     if (!fs::exists(input))
       faults.add({"does not exist", "a recording's folder or images are needed", input});
-  }
   faults.throw_if_any();
 }
 
@@ -127,13 +123,13 @@ LocateJob read_job(const Options& options) {
 Outcome locate(const Options& options) {
   const auto page = page_for(options.report, options.out);
   auto [request, origins] = read_job(options);
-  ProgressBar bar("locating");
-  request.progress = [&](std::size_t done, std::size_t all) { bar.show(done, all); };
+  std::optional<ProgressBar> bar("locating");
+  request.progress = [&](std::size_t done, std::size_t all) { bar->show(done, all); };
   const LocateReport report =
       options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
+  bar.reset();
   write_file(options.out, lamps_text(report.rows, lamp_remarks(origins, report.reference_lamps)));
-  const ReportList list = locate_list(report);
-  say("{}", list.text());
+  Outcome outcome = told(locate_list(report));
   if (page)
     write_page(*page,
                lamps_page(report, options.out,
@@ -141,11 +137,11 @@ Outcome locate(const Options& options) {
   if (request.scene)
     if (const auto doubt = distance_doubt(report, request.scene->lamps.separation_m))
       spdlog::warn(doubt->text());
-  const bool any = shows_any(report);
-  if (!any)
+  outcome.success = shows_any(report);
+  if (!outcome.success)
     spdlog::error(fmt::format("no image shows what was looked for; {} says why for each",
                               options.out.string()));
-  return {list.json(), any};
+  return outcome;
 }
 
 }  // namespace

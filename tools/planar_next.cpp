@@ -1,5 +1,3 @@
-#include <filesystem>
-
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/console/doctor/next_step.h"
 #include "program.h"
@@ -24,7 +22,7 @@ void add_options(CLI::App& app, Options& options) {
       app, "--cell", options.cell, "cell.yaml",
       "the cell; beside it lies what the work makes: plan.csv, recording, lamps.csv, pairs.csv, "
       "targets.csv, run, certificate");
-  add_value(app, "--grid", options.board, "BOARD", "the calibration board")->capture_default_str();
+  add_default(app, "--grid", options.board, "BOARD", "the calibration board");
 }
 
 Outcome work(const Options& options) {

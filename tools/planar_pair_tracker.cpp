@@ -1,7 +1,4 @@
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
-
-#include <optional>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
@@ -31,8 +28,6 @@ tool                end point (0.0576, 0.0482) mm, reflector (11.8112, -8.1389) 
 rejected            train_17: vision and tracker differ by 4.641 mm; the limit is 0.817 mm
 raw error           train: 39 pairs, mean 0.079 mm, rms 0.093 mm, max 0.227 mm)"};
 
-constexpr double kThickest_mm = 1000.0;
-
 struct Options {
   std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, health_out,
       lays_out, pairs_out;
@@ -52,11 +47,10 @@ void add_options(CLI::App& app, Options& options) {
       add_value(app, "--grid", options.grid, "BOARD",
                 "board laid on the plane, circles:COLSxROWS:PITCHmm; ? for an unknown pitch "
                 "when the pairs give the plane");
-  app.add_option("--board-thickness-mm", options.board_thickness_mm,
-                 "by how much the board's dots lie above the plane in which the lamps move; "
-                 "negative for dots below the lamps")
-      ->check(within(-kThickest_mm, kThickest_mm))
-      ->type_name("T")
+  add_value(app, "--board-thickness-mm", options.board_thickness_mm, "T",
+            "by how much the board's dots lie above the plane in which the lamps move; "
+            "negative for dots below the lamps")
+      ->check(within(-1000.0, 1000.0))
       ->needs(grid);
   add_value(app, "--lays-out", options.lays_out, "lays.csv",
             "lays.csv to write: every dot of the boards laid on the plane, where it is seen")

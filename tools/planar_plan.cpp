@@ -1,8 +1,5 @@
-
-
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/plan/proposed_plan.h"
@@ -24,21 +21,18 @@ struct Options {
   bool accept_stale{false};
 };
 
-/// Reads the pairs. Throws InputError for those of another cell or calibration, unless that is
-/// accepted.
-std::vector<PairRow> pairs_of_cell(const Options& options, const CellSettings& cell) {
-  accept_stale(contradictions({{Role::kPairs, options.after}},
-                              origins_in(cell, calibration_files(cell, false)), values_of(kRoles)),
-               options.accept_stale);
-  return read_pairs(options.after);
-}
-
 Outcome propose(const Options& options) {
   if (!options.after.empty()) require_not_input(options.output, options.after);
   require_writable(options.output, "plan");
   const CellSettings cell = read_cell(options.cell);
   std::vector<PairRow> pairs;
-  if (!options.after.empty()) pairs = pairs_of_cell(options, cell);
+  if (!options.after.empty()) {
+    accept_stale(
+        contradictions({{Role::kPairs, options.after}},
+                       origins_in(cell, calibration_files(cell, false)), values_of(kRoles)),
+        options.accept_stale);
+    pairs = read_pairs(options.after);
+  }
   const ProposedPlan plan = propose_plan(cell, options.plan, pairs);
   write_file(options.output, plan_text(plan.rows));
   say("{}", proposal_text(plan));
@@ -57,19 +51,14 @@ void add_options(CLI::App& app, Options& options) {
                "tracker readings to plan; the sweeps of a first plan take a quarter of them; 0 for "
                "a cell without a tracker")
       ->check(CLI::Range(0, 10000));
-  app.add_option("--unattended", options.plan.unattended,
-                 "places that only the camera watches, with the tool turned anyhow")
-      ->check(CLI::Range(0, 10000))
-      ->type_name("M");
-  CLI::Option* lays =
-      app.add_option("--lays", options.plan.lays,
-                     "times that the board is laid on the plane, turned and shifted")
-          ->check(CLI::Range(1, 1000))
-          ->type_name("L")
-          ->capture_default_str();
+  add_value(app, "--unattended", options.plan.unattended, "M",
+            "places that only the camera watches, with the tool turned anyhow")
+      ->check(CLI::Range(0, 10000));
+  CLI::Option* lays = add_default(app, "--lays", options.plan.lays, "L",
+                                  "times that the board is laid on the plane, turned and shifted")
+                          ->check(CLI::Range(1, 1000));
   add_value(app, "--after", options.after, "pairs.csv",
-            "pairs of the readings so far; without them the plan "
-            "begins a calibration")
+            "pairs of the readings so far; without them the plan begins a calibration")
       ->excludes(lays);
   app.add_flag("--accept-stale", options.accept_stale,
                "plan even after pairs that were not made with the cell's files")

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "homing_options.h"
@@ -56,19 +55,12 @@ void add_options(CLI::App& app, Options& options) {
                 "take pictures of a bar of certified length instead, place by place, into "
                 "DIR/bar_NN.png; nothing moves");
   bar->excludes(plan)->excludes(grid)->excludes(display);
-  app.add_option("--bar-places", options.bar_places, "how many places of the bar")
+  add_default(app, "--bar-places", options.bar_places, "N", "how many places of the bar")
       ->needs(bar)
-      ->check(within(1, 99))
-      ->type_name("N")
-      ->capture_default_str();
+      ->check(within(1, 99));
   add_choice(app, "--on-bad-reading", options.on_bad_reading, names_of(kBadReadings),
              "what happens to a place without a good tracker reading: it is taken "
              "again up to twice, left out, or the recording stops");
-}
-
-std::optional<Board> board_of(const Options& options) {
-  if (options.grid.empty()) return std::nullopt;
-  return parse_board(options.grid, BoardUse::kShape);
 }
 
 Outcome take_bar(const Options& options) {
@@ -98,7 +90,7 @@ Outcome run(const Options& options) {
   request.plan = read_plan(options.plan, request.cell.tool_orientation);
   request.stop = interrupted;
   request.on_bad_reading = value_named(kBadReadings, options.on_bad_reading).value();
-  request.board = board_of(options);
+  if (!options.grid.empty()) request.board = parse_board(options.grid, BoardUse::kShape);
   request.display = value_named(kDisplayPolicies, options.display).value();
   request.may_home = may_home(options.homing);
   heed_interrupts();

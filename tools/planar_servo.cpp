@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <iostream>
@@ -87,15 +86,14 @@ void add_goals(CLI::App& app, Options& options) {
             "the cell's tool whose tip goes to targets that name none in a column tool; by default "
             "the end point on joint 3's axis does")
       ->excludes(path);
-  app.add_option("--speed-mm-s", options.speeds_mm_s,
-                 "speeds along the path, 1 to 50; it is followed once at each; by default the "
-                 "drawing's feed, or 10")
+  add_value(app, "--speed-mm-s", options.speeds_mm_s, "V,...",
+            "speeds along the path, 1 to 50; it is followed once at each; by default the "
+            "drawing's feed, or 10")
       ->delimiter(',')
-      ->needs(path)
-      ->type_name("V,...");
-  app.add_option("--layers", options.drawing.layers, "layers of a DXF to read; by default all")
-      ->delimiter(',')
-      ->type_name("NAME,...");
+      ->needs(path);
+  add_value(app, "--layers", options.drawing.layers, "NAME,...",
+            "layers of a DXF to read; by default all")
+      ->delimiter(',');
   app.add_option("--drawing-unit", options.drawing_unit,
                  "unit of a DXF, instead of its header's, which may name none")
       ->check(CLI::IsMember(names_of(kDrawingUnits)));
@@ -265,11 +263,6 @@ std::vector<DryRunRow> planned_moves(const Options& options, const CalibratedCel
   return rows;
 }
 
-Outcome print_dry_run(const std::vector<DryRunRow>& rows) {
-  say("{}", dry_run_text(rows));
-  return {dry_run_json(rows), count_refused(rows) == 0};
-}
-
 Outcome print_check(const CalibratedCell& cell, const std::vector<DryRunRow>& rows) {
   const std::size_t refused = count_refused(rows);
   say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
@@ -382,7 +375,9 @@ Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCe
   if (options.check || options.dry_run) {
     if (from_stdin(options)) return plan_stream(options, *cell, tools);
     const std::vector<DryRunRow> rows = planned_moves(options, *cell, read);
-    return options.check ? print_check(*cell, rows) : print_dry_run(rows);
+    if (options.check) return print_check(*cell, rows);
+    say("{}", dry_run_text(rows));
+    return {dry_run_json(rows), count_refused(rows) == 0};
   }
   ServoRequest request = request_of(options, cell);
   request.policy.learns = cell->settings.servo.learns;

@@ -1,7 +1,3 @@
-#include <fmt/format.h>
-
-#include <filesystem>
-
 #include "jog_session.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
@@ -10,7 +6,6 @@
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/grey_image.h"
-#include "planar_servo/report/report_list.h"
 #include "planar_servo/work/workpiece/seen_tip.h"
 #include "program.h"
 
@@ -41,14 +36,13 @@ struct Options {
 };
 
 void add_disc_options(CLI::App& app, Options& options, CLI::Option* check) {
-  auto* seen = app.add_option("--seen", options.seen,
-                              "the tip shows this disc to the camera: its place follows from "
-                              "pictures, and no mark is needed")
+  auto* seen = add_value(app, "--seen", options.seen, "KIND",
+                         "the tip shows this disc to the camera: its place follows from "
+                         "pictures, and no mark is needed")
                    ->check(CLI::IsMember({"bright_disc", "dark_disc"}))
-                   ->excludes(check)
-                   ->type_name("KIND");
+                   ->excludes(check);
   const auto add = [&](const char* name, double& value, const char* type, const char* text) {
-    return app.add_option(name, value, text)->needs(seen)->type_name(type);
+    return add_value(app, name, value, type, text)->needs(seen);
   };
   seen->needs(
       add("--size-mm", options.size_mm, "D", "the disc's diameter")->check(CLI::PositiveNumber));
@@ -75,12 +69,10 @@ void add_options(CLI::App& app, Options& options) {
   add_value(app, "--poses", options.poses, "taught.csv",
             "places that planar-jog taught with the tip at one mark, in three directions or more; "
             "without it commands as planar-jog has them are read now, and 'teach ID' takes a pose");
-  app.add_option("--sigma-mm", options.sigma_mm,
-                 "standard deviation per axis with which the tip was brought to the mark; 0.02 is "
-                 "that of a person with a magnifier")
-      ->check(CLI::PositiveNumber)
-      ->type_name("S")
-      ->capture_default_str();
+  add_default(app, "--sigma-mm", options.sigma_mm, "S",
+              "standard deviation per axis with which the tip was brought to the mark; 0.02 is "
+              "that of a person with a magnifier")
+      ->check(CLI::PositiveNumber);
   add_disc_options(app, options, check);
 }
 
@@ -142,8 +134,7 @@ Outcome teach(const Options& options, const CellSettings& cell) {
   list.line("poses", "{poses}, up to {largest_residual_mm:.4f} mm from the mark",
             taught.residuals.size(), farthest);
   list.line(options.seen.empty() ? "mark" : "common to all", "({mark_mm:.3f}) mm", taught.mark_B);
-  say("{}", list.text());
-  return {list.json()};
+  return told(list);
 }
 
 Outcome check(const Options& options, const CellSettings& cell) {

@@ -1,14 +1,10 @@
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <string>
 
 #include "paper_cell.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/work_file.h"
@@ -75,17 +71,13 @@ std::string reference_lamps_text() {
   return text;
 }
 
-/// Returns the paper's cell file with the tolerance that cells of this kind are worked with.
-std::string with_tolerance_of(DrawTruth kind, std::string text) {
+/// Returns the paper's cell file with the tolerance and the lamps of cells of this kind.
+std::string cell_text_like(DrawTruth kind) {
   const std::string paper = "tolerance_mm: 0.005";
+  std::string text = kPaperCell;
   const auto stated = text.find(paper);
   if (kind == draw_ordinary_truth) text.replace(stated, paper.size(), "tolerance_mm: 0.010");
   if (kind == draw_cheap_truth) text.replace(stated, paper.size(), "tolerance_mm: 0.030");
-  return text;
-}
-
-std::string cell_text_like(DrawTruth kind) {
-  const std::string text = with_tolerance_of(kind, kPaperCell);
   return kind == draw_workshop_truth ? text + reference_lamps_text() : text;
 }
 
@@ -195,14 +187,11 @@ void add_serve_options(CLI::App& server, Options& options) {
       ->capture_default_str();
   add_choice(server, "--tracker", options.tracker, {kTcp, kFile},
              "the tracker's lines come from port 7701, or in tracker.txt beside the cell");
-  server
-      .add_option(
-          "--tracker-clock", options.tracker_clock,
-          "seconds by which the tracker's clock is ahead of this computer's, and parts in a "
-          "million by which it runs fast")
+  add_value(server, "--tracker-clock", options.tracker_clock, "OFFSET_S,PPM",
+            "seconds by which the tracker's clock is ahead of this computer's, and parts in a "
+            "million by which it runs fast")
       ->delimiter(',')
-      ->expected(2)
-      ->type_name("OFFSET_S,PPM");
+      ->expected(2);
   server.add_flag("--decimal-comma", options.decimal_comma,
                   "the tracker writes 1,5 for 1.5, and ; between columns");
   add_value(server, "--broken-beams", options.broken_percent, "PERCENT",
@@ -223,17 +212,16 @@ void add_serve_options(CLI::App& server, Options& options) {
 void add_put_options(CLI::App& command, Options& options) {
   add_required(command, "--cell", options.cell, "cell.yaml", "the virtual cell");
   add_required(command, "--drawing", options.drawing, "work.csv", "the marks of the work");
-  command.add_option("--at", options.at, "where its origin lies and how it is turned, mm and deg")
+  add_required(command, "--at", options.at, "X,Y,TURN",
+               "where its origin lies and how it is turned, mm and deg")
       ->delimiter(',')
-      ->expected(3)
-      ->required()
-      ->type_name("X,Y,TURN");
+      ->expected(3);
   add_value(command, "--higher-mm", options.higher_mm, "H",
             "by how much it lies higher than the drawing's z_mm says");
-  command.add_option("--slide", options.slide, "when it slides, by how much, and turns")
+  add_value(command, "--slide", options.slide, "AT_S,DX,DY,TURN",
+            "when it slides, by how much, and turns")
       ->delimiter(',')
-      ->expected(4)
-      ->type_name("AT_S,DX,DY,TURN");
+      ->expected(4);
 }
 
 void add_options(CLI::App& app, Options& options) {

@@ -143,14 +143,8 @@ std::string usage_fault(const CLI::App* app, const CLI::Error& fault) {
                      fmt::join(faults, "; "));
 }
 
+/// The kind of --json's files: a table or a cell file named there by mistake stays.
 constexpr char kFigures[] = "figures";
-constexpr char kNone[] = "none";  // of --report
-
-/// Allows --json to overwrite earlier figures only, so that a table or a cell file named by mistake
-/// stays.
-void require_figures_file(const std::filesystem::path& file) {
-  if (!file.empty()) require_writable(file, kFigures);
-}
 
 /// Writes a message without what would control the terminal.
 class VisibleMessage : public spdlog::custom_flag_formatter {
@@ -175,11 +169,6 @@ void start_log(const std::string& name, bool quiet, bool verbose) {
                     : verbose ? spdlog::level::debug
                               : spdlog::level::info);
   spdlog::set_default_logger(logger);
-}
-
-int failure(int status, const std::exception& e) {
-  spdlog::error(e.what());
-  return status;
 }
 
 /// Occupies standard streams that were closed, so that no file or device is opened in their place,
@@ -248,7 +237,7 @@ void add_report_option(CLI::App& app, std::string& report) {
 
 std::optional<std::filesystem::path> page_for(const std::string& report,
                                               const std::filesystem::path& output) {
-  if (report == kNone) return std::nullopt;
+  if (report == "none") return std::nullopt;
   std::filesystem::path page = report;
   if (report.empty()) {
     if (isatty(STDOUT_FILENO) == 0 ||
@@ -300,8 +289,7 @@ int run_program(const ProgramText& text, int argc, char** argv,
   app.failure_message(usage_fault);
   app.set_version_flag("--version", text.name + " " PLANAR_VERSION);
   std::filesystem::path json_file;
-  bool quiet = false;
-  bool verbose = false;
+  bool quiet = false, verbose = false;
   add_options(app);
   app.add_option("--json", json_file, "write every printed figure to FILE")->type_name("FILE");
   CLI::Option* quiet_flag = app.add_flag(
@@ -321,16 +309,18 @@ int run_program(const ProgramText& text, int argc, char** argv,
   Eigen::setNbThreads(1);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // our messages say it all
   try {
-    require_figures_file(json_file);
+    if (!json_file.empty()) require_writable(json_file, kFigures);
     const Outcome outcome = work();
     if (!json_file.empty() && !outcome.figures.is_null())
       write_file(json_file, with_format_key(kFigures, outcome.figures.dump(2)));
     require_printed();
     return outcome.success ? 0 : kWorkFailed;
   } catch (const InputError& e) {
-    return failure(kWrongInput, e);
+    spdlog::error(e.what());
+    return kWrongInput;
   } catch (const std::exception& e) {
-    return failure(kWorkFailed, e);
+    spdlog::error(e.what());
+    return kWorkFailed;
   }
 }
 

@@ -70,6 +70,12 @@ CLI::Option* add_value(CLI::App& app, const std::string& name, Value& value,
                        const std::string& type, const std::string& text) {
   return app.add_option(name, value, text)->type_name(type);
 }
+/// Adds one whose default --help shows: what `value` is now.
+template <typename Value>
+CLI::Option* add_default(CLI::App& app, const std::string& name, Value& value,
+                         const std::string& type, const std::string& text) {
+  return add_value(app, name, value, type, text)->capture_default_str();
+}
 /// Adds one that must be given.
 template <typename Value>
 CLI::Option* add_required(CLI::App& app, const std::string& name, Value& value,

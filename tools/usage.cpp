@@ -8,13 +8,11 @@
 namespace planar {
 namespace {
 
-/// Names of folders and of images in the help.
+/// Names of values in the help, and what is offered for them.
 constexpr const char* kFolders[] = {"DIR", "RECORDING"};
 constexpr const char* kAnyFile[] = {"FILE", "PROGRAM"};
-constexpr char kBoard[] = "BOARD";
 constexpr const char* kBoards[] = {"circles:11x11:50mm", "acircles:4x11:20mm",
                                    "chessboard:9x6:25mm"};
-constexpr char kImage[] = "IMAGE";
 constexpr const char* kImages[] = {"*.png", "*.pgm", "*.jpg", "*.tif", "*.tiff", "*.bmp"};
 
 template <typename Names>
@@ -42,9 +40,9 @@ void add_alternative(Values& values, const std::string& word) {
     values.folders = true;
   } else if (names_one(kAnyFile, word)) {
     values.files.emplace_back("*");
-  } else if (word == kBoard) {
+  } else if (word == "BOARD") {
     values.words.insert(values.words.end(), std::begin(kBoards), std::end(kBoards));
-  } else if (word == kImage) {
+  } else if (word == "IMAGE") {
     values.files.insert(values.files.end(), std::begin(kImages), std::end(kImages));
   } else if (dot != std::string::npos && dot + 1 < word.size()) {
     values.files.push_back("*" + word.substr(dot));
@@ -117,29 +115,24 @@ Argument argument_of(const CLI::Option& option) {
   return argument;
 }
 
-void add_group(Usage& usage, const CLI::App& group);
-
-/// Adds the options of an app and of its groups.
+/// Adds the options of an app and of its groups, of each of which one must be given.
 void add_arguments(Usage& usage, const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_group().empty()) continue;
     (option->nonpositional() ? usage.options : usage.places).push_back(argument_of(*option));
   }
-  for (const CLI::App* group : app.get_subcommands({}))
-    if (group->get_name().empty()) add_group(usage, *group);
-}
-
-/// Adds the options of a group, of which one must be given.
-void add_group(Usage& usage, const CLI::App& group) {
-  const std::size_t first = usage.options.size();
-  add_arguments(usage, group);
-  std::vector<std::string> names;
-  for (std::size_t i = first; i < usage.options.size(); ++i)
-    names.push_back(usage.options[i].names.back());
-  for (std::size_t i = first; i < usage.options.size(); ++i) {
-    std::string& rule = usage.options[i].rule;
-    rule = fmt::format("exactly one of {} is required{}{}", fmt::join(names, ", "),
-                       rule.empty() ? "" : "; ", rule);
+  for (const CLI::App* group : app.get_subcommands({})) {
+    if (!group->get_name().empty()) continue;
+    const std::size_t first = usage.options.size();
+    add_arguments(usage, *group);
+    std::vector<std::string> names;
+    for (std::size_t i = first; i < usage.options.size(); ++i)
+      names.push_back(usage.options[i].names.back());
+    for (std::size_t i = first; i < usage.options.size(); ++i) {
+      std::string& rule = usage.options[i].rule;
+      rule = fmt::format("exactly one of {} is required{}{}", fmt::join(names, ", "),
+                         rule.empty() ? "" : "; ", rule);
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-#include "planar_servo/console/http/api_description.h"
+#include "planar_servo/console/http/console_api.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planar_servo/hardware/drives/jog_path.h"
+#include "planar_servo/hardware/drives/grbl_axes.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -97,16 +97,6 @@ TEST_CASE("choose_pair knows lamps by their size in any scale and leaves out lig
   CHECK(choice.index == std::array<std::size_t, 2>{1, 2});
 }
 
-TEST_CASE("choose_pair tells lamps of different brightness apart without a prediction") {
-  PairExpectation expectation = with_distance();
-  expectation.contrast_ratio = 0.5;
-  const Blob bright = light(100, 100, 20.0, 180.0), dim = light(200, 100, 20.0, 95.0);
-  const PairChoice choice = choose_pair({dim, bright}, expectation);
-  CHECK(choice.status == LampStatus::kOk);
-  CHECK(choice.index == std::array<std::size_t, 2>{1, 0});
-  CHECK(choose_pair({kA, kB}, expectation).status == LampStatus::kAmbiguous);
-}
-
 TEST_CASE("choose_pair trusts neither when looks and prediction contradict each other") {
   PairExpectation expectation = with_prediction({100, 100}, {200, 100});
   expectation.diameter_over_separation = {0.2, 0.26};

@@ -14,7 +14,6 @@
 #include "planar_servo/offline/calibration_page.h"
 #include "planar_servo/offline/lamps_report.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
-#include "planar_servo/offline/map/map_page.h"
 #include "planar_servo/offline/map/map_report.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "support/error_fields.h"

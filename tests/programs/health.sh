@@ -72,7 +72,7 @@ awk 'BEGIN { print "id,x_mm,y_mm"; for (i = 0; i < 40; ++i) printf "t%d,%.3f,%.3
 status=0
 "$bin/planar-servo" --cell cell/cell.yaml --targets many.csv --out drifted >out.txt 2>err.txt || status=$?
 [ $status -eq 1 ] || fail "a run under a camera that drifts ended with $status: $(cat out.txt err.txt)"
-grep -q "40 targets are doubted" err.txt || fail "$(cat err.txt)"
+grep -q "targets doubted: 40," err.txt || fail "$(cat err.txt)"
 grep -q "the camera has shifted" err.txt || fail "$(cat err.txt)"
 [ "$(grep -c ',doubted,' drifted/results.csv)" -eq 40 ] || fail "$(cat drifted/results.csv)"
 [ -s drifted/report.html ] || fail "no report of a doubted run"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "planar_servo/work/run/servo_page.h"
 #include "support/well_formed.h"
 
 namespace planar {

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdlib>
+#include <optional>
 #include <string>
 
 #include "planar_servo/machine/rehearsal/emulated_grbl.h"
@@ -33,9 +37,11 @@ class FaultyGrbl : public EmulatedGrbl {
     const Lock lock(mutex_);
     settings_[number] = value;
   }
+  /// Greets as FluidNC and keeps its settings by paths.
   void be_fluidnc() {
     const Lock lock(mutex_);
-    is_fluidnc_ = true;
+    banner_ = "\r\nGrbl 3.7 [FluidNC v3.7.12 (wifi) '$' for help]\r\n";
+    other_answer_ = [this](const std::string& line) { return fluidnc_answer(line); };
   }
   void press_limit(char axis, bool pressed) {
     const Lock lock(mutex_);
@@ -77,6 +83,33 @@ class FaultyGrbl : public EmulatedGrbl {
   void plug_in() {
     const Lock lock(mutex_);
     port_.plug_in();
+  }
+
+ private:
+  std::optional<std::string> fluidnc_answer(const std::string& line) const {
+    if (line.rfind("$/", 0) == 0) return tell_path(line.substr(1));
+    if (line == "$$") return "ok";
+    if (line == "$10" || line == "$13")
+      return fmt::format("{}={:g}\r\nok", line, setting(std::atoi(&line[1])));
+    return std::nullopt;
+  }
+  std::string tell_path(const std::string& path) const {
+    const auto answer = [&](const std::string& value) {
+      return fmt::format("${}={}\r\nok", path, value);
+    };
+    if (path == "/stepping/idle_ms") return answer(fmt::format("{:g}", setting(1)));
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string begin = fmt::format("/axes/{}/", "xyz"[axis]);
+      if (path == begin + "steps_per_mm") return answer(fmt::format("{:.3f}", setting(100 + axis)));
+      if (path == begin + "max_rate_mm_per_min")
+        return answer(fmt::format("{:.3f}", setting(110 + axis)));
+      if (path == begin + "acceleration_mm_per_sec2")
+        return answer(fmt::format("{:.3f}", setting(120 + axis)));
+      if (path == begin + "homing/cycle") return answer(setting(22) > 0.0 ? "1" : "0");
+      if (path == begin + "homing/positive_direction")
+        return answer((static_cast<int>(setting(23)) >> axis & 1) != 0 ? "false" : "true");
+    }
+    return "error:162";  // no such configuration
   }
 };
 

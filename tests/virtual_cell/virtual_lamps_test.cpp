@@ -20,7 +20,7 @@ Eigen::Vector2d true_center(const Truth& truth, const Pose& X_BT) {
 }
 
 Light render(const Truth& truth, const Pose& X_BT) {
-  return *VirtualLamps(truth).render(X_BT, VirtualLens(truth.camera), 0.0);
+  return VirtualLamps(truth).render_all(X_BT, VirtualLens(truth.camera), 0.0).front();
 }
 
 /// Centroid of the grey levels within 50 px of a place, in pixels of the sensor.

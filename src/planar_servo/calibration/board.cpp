@@ -18,9 +18,9 @@
 namespace planar {
 namespace {
 
-/// Longest side of the first image that is searched for dots; the next ones are twice as large
-/// each.
-constexpr int kFirstSize_px = 1280;
+/// Longest side of the image that is searched for a chessboard, or for any board at a glance, and
+/// of the first one that is searched for dots; the next ones are twice as large each.
+constexpr int kSearchSize_px = 1280;
 
 /// Returns whether a dot's nearest neighbours lie on the diagonals of the board's places.
 bool has_diagonal_steps(const Board& board) {
@@ -59,7 +59,7 @@ RoughGrid find_dark_grid(const cv::Mat& image, const Board& board, int factor) {
 /// grid with the most dots.
 RoughGrid find_rough_grid(const cv::Mat& image, const Board& board) {
   int factor = 1;
-  while (std::max(image.cols, image.rows) > kFirstSize_px * factor) factor *= 2;
+  while (std::max(image.cols, image.rows) > kSearchSize_px * factor) factor *= 2;
   RoughGrid best;
   for (; factor >= 1; factor /= 2) {
     for (const bool bright : {false, true}) {
@@ -121,9 +121,6 @@ BoardSight find_dot_grid(const cv::Mat& image, const Board& board, BoardPart par
   if (sight.pixels.size() == all) sight.seen.clear();
   return sight;
 }
-
-/// Longest side of the image that is searched for a chessboard, or for any board at a glance.
-constexpr int kSearchSize_px = 1280;
 
 /// Finds the inner corners of a chessboard, or says why not. OpenCV's sector-based finder needs no
 /// white border and tells the count of another board; the older one takes tens of seconds to find
@@ -310,6 +307,13 @@ std::optional<std::vector<Eigen::Vector2d>> board_residuals(
     residuals.push_back(pixels[i] - *pixel);
   }
   return residuals;
+}
+
+std::vector<Eigen::Vector2d> about_centroid(std::vector<Eigen::Vector2d> points) {
+  Eigen::Vector2d centroid(0.0, 0.0);
+  for (const Eigen::Vector2d& p : points) centroid += p / static_cast<double>(points.size());
+  for (Eigen::Vector2d& p : points) p -= centroid;
+  return points;
 }
 
 double rms_length(const std::vector<Eigen::Vector2d>& residuals) {

@@ -99,6 +99,9 @@ std::optional<std::vector<Eigen::Vector2d>> board_residuals(
     const CameraModel& camera, const Pose& X_CG, const std::vector<Eigen::Vector2d>& points_G,
     const std::vector<Eigen::Vector2d>& pixels);
 
+/// Returns the points as seen from their centroid.
+std::vector<Eigen::Vector2d> about_centroid(std::vector<Eigen::Vector2d> points);
+
 /// Returns the root of the mean square length of the residuals.
 double rms_length(const std::vector<Eigen::Vector2d>& residuals);
 

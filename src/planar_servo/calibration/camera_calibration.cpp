@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/threads.h"
 #include "planar_servo/calibration/board.h"
@@ -56,7 +55,7 @@ CameraUncertainty uncertainty_of(const LensFit& fit, const std::vector<Calibrati
       fit_information(fit, views, by_visp ? kCoefficientsOfVisp : model.free_coefficients);
   if (!information) refuse(model);
   const auto covariance =
-      by_visp ? visp_covariance(fit, views) : covariance_from(jacobians_of(*information));
+      by_visp ? visp_covariance(fit, views) : covariance_from(information->jacobians);
   if (!covariance) refuse(model);
   CameraUncertainty uncertainty{*covariance * (information->squares / information->freedom),
                                 scatter_over_views(*information)};
@@ -215,12 +214,10 @@ constexpr double kTakenFor = 1.0, kRuledOut = 2.0;
 /// errors of the mean difference, taken view by view.
 bool clearly_worse(const std::vector<double>& squares, const std::vector<double>& best,
                    double standard_errors) {
-  const double n = static_cast<double>(best.size());
   std::vector<double> excess(best.size());
   for (std::size_t i = 0; i < best.size(); ++i) excess[i] = squares[i] - best[i];
-  double scatter = 0.0;
-  for (const double e : excess) scatter += (e - mean(excess)) * (e - mean(excess));
-  return mean(excess) > standard_errors * std::sqrt(scatter / (n * (n - 1.0)));
+  const double root_n = std::sqrt(static_cast<double>(best.size()));
+  return mean(excess) > standard_errors * standard_deviation(excess) / root_n;
 }
 
 /// The model that `auto` chose, and the cameras of others that predict held-out views as well: the

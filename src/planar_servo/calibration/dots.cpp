@@ -8,15 +8,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
-
 namespace {
 
 constexpr double kSmallestArea_px2 = 12.0;
@@ -66,24 +65,16 @@ double grey_at(const cv::Mat& image, const Eigen::Vector2d& p) {
          b * ((1.0 - a) * bottom[0] + a * bottom[1]);
 }
 
-bool inside(const cv::Mat& image, const Eigen::Vector2d& p) {
-  return p.x() >= 0.0 && p.y() >= 0.0 && p.x() < image.cols - 1 && p.y() < image.rows - 1;
-}
-
-double mean_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
-  double sum = 0.0;
-  for (std::size_t i = begin; i < end; ++i) sum += values[i];
-  return sum / static_cast<double>(end - begin);
-}
-
 /// Returns the index, with its fraction, at which the profile crosses the middle between the levels
 /// of its two ends. Of several crossings it is the one nearest to `expected`. Empty when the levels
 /// hardly differ.
 std::optional<double> crossing(const std::vector<double>& profile, double expected) {
   const std::size_t n = profile.size();
-  const std::size_t quarter = std::max<std::size_t>(2, n / 5);
-  const double first = mean_of(profile, 0, quarter);
-  const double last = mean_of(profile, n - quarter, n);
+  const auto count = static_cast<std::ptrdiff_t>(std::max<std::size_t>(2, n / 5));
+  const auto mean_from = [count](auto begin) {
+    return std::accumulate(begin, begin + count, 0.0) / static_cast<double>(count);
+  };
+  const double first = mean_from(profile.begin()), last = mean_from(profile.end() - count);
   if (std::abs(last - first) < kSmallestContrast) return std::nullopt;
   const double middle = 0.5 * (first + last);
   std::optional<double> nearest;
@@ -102,7 +93,9 @@ std::optional<double> crossing(const std::vector<double>& profile, double expect
 std::optional<Eigen::Vector2d> outline_point(const cv::Mat& image, const Dot& dot, double angle) {
   const Eigen::Vector2d radius = dot.shape * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   const double step = std::min(kRayStep_px / radius.norm(), (kRayEnd - kRayStart) / kFewestSamples);
-  if (!inside(image, dot.center + kRayEnd * radius)) return std::nullopt;
+  const Eigen::Vector2d end = dot.center + kRayEnd * radius;
+  if (!cv::Rect2d(0.0, 0.0, image.cols - 1, image.rows - 1).contains({end.x(), end.y()}))
+    return std::nullopt;
   std::vector<double> profile;
   for (double part = kRayStart; part <= kRayEnd; part += step)
     profile.push_back(grey_at(image, dot.center + part * radius));

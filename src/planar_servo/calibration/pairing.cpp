@@ -7,7 +7,6 @@
 #include <map>
 
 #include "planar_servo/base/core/decompositions.h"
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
@@ -87,7 +86,7 @@ double farthest_from_mean(const std::vector<const T*>& items, const Value& value
   return farthest;
 }
 
-/// Returns why the frames cannot be used; empty when they can.
+/// These return why something cannot be used; empty when it can.
 std::string fault_of_frames(const Place& place) {
   if (place.frames.empty()) return "no frame with both lamps: " + place.failed.front()->fault;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -100,18 +99,14 @@ std::string fault_of_frames(const Place& place) {
   return "";
 }
 
-/// Returns why the readings cannot be used; empty when they can.
 std::string fault_of_readings(const Place& place) {
   if (place.readings.empty()) return "no tracker reading";
   const double far = farthest_from_mean(place.readings, [](const ToolReading& r) { return r.p_B; });
-  if (far > kMotion) {
-    return fmt::format("not at rest: its tracker readings disagree by {:.3f} mm",
-                       far / kMillimetre);
-  }
+  if (far > kMotion)
+    return fmt::format("not at rest: its tracker readings disagree by {:.3f} mm", mm(far));
   return "";
 }
 
-/// Returns why the place cannot be used; empty when it can.
 std::string fault_of(const Place& place) {
   const std::string fault = fault_of_frames(place);
   return fault.empty() && place.plan() != Purpose::kPose ? fault_of_readings(place) : fault;
@@ -288,10 +283,6 @@ Eigen::MatrixX2d reflectors(const std::vector<ToolSight>& sights) {
   return points;
 }
 
-double share_left(const std::vector<ToolSight>& sights) {
-  return share_left(view_matrix(sights), reflectors(sights));
-}
-
 /// Returns by how many rows the readings come late, if with that shift they follow the lamps.
 std::optional<int> late_rows(const std::vector<ToolSight>& sights) {
   const Eigen::MatrixXd terms = view_matrix(sights);
@@ -318,10 +309,9 @@ void require_rows_in_order(const std::vector<ToolSight>& sights) {
 }  // namespace
 
 void require_reading_order(const std::vector<ToolSight>& sights, PairBy by) {
-  const bool enough = static_cast<Eigen::Index>(sights.size()) > kLeastPlaces;
-  const double share = enough ? share_left(sights) : 1.0;
-  const bool follow = share < kRelatedShare;
-  if (follow || !enough) return;
+  if (static_cast<Eigen::Index>(sights.size()) <= kLeastPlaces) return;
+  const double share = share_left(view_matrix(sights), reflectors(sights));
+  if (share < kRelatedShare) return;
   if (by == PairBy::kId) require_rows_in_order(sights);
   if (share < kUnrelatedShare) return;
   throw InputError({fmt::format("its readings do not follow the lamps: the best smooth view of {} "

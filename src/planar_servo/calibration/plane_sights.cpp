@@ -116,18 +116,14 @@ constexpr double kLeastOutlier = 0.05 * kMillimetre;
 constexpr double kMedianLength = 1.1774;  // of a normal 2-vector with unit standard deviations
 constexpr double kMaxRejectedShare = 1.0 / 3.0;
 
-bool is_finite(const ToolSight& sight) {
-  return sight.lamps_px[0].allFinite() && sight.lamps_px[1].allFinite() &&
-         sight.p_reflector_B.allFinite();
-}
-
 }  // namespace
 
 SightSet::SightSet(const CameraModel& camera, const std::vector<ToolSight>& sights)
     : given_(sights.size()) {
   Faults faults;
   for (const ToolSight& sight : sights) {
-    if (!is_finite(sight)) {
+    if (!sight.lamps_px[0].allFinite() || !sight.lamps_px[1].allFinite() ||
+        !sight.p_reflector_B.allFinite()) {
       faults.add({"sight '" + sight.id + "' has a value that is not finite", "", "workplane"});
       continue;
     }
@@ -184,9 +180,8 @@ bool SightSet::reject_beyond(const std::vector<SeenSight>& seen, const std::vect
     if (!entry.used || lengths[i] <= limit) continue;
     entry.used = false;
     any = true;
-    rejected_.push_back(
-        {entry.sight->id, fmt::format("{} by {:.3f} mm; the limit is {:.3f} mm", what,
-                                      lengths[i] / kMillimetre, limit / kMillimetre)});
+    rejected_.push_back({entry.sight->id, fmt::format("{} by {:.3f} mm; the limit is {:.3f} mm",
+                                                      what, mm(lengths[i]), mm(limit))});
   }
   return any;
 }

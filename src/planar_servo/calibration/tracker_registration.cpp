@@ -10,7 +10,6 @@
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
-
 namespace {
 
 using Monuments = std::vector<MonumentSight>;
@@ -24,13 +23,16 @@ Monuments all_but(const Monuments& monuments, std::size_t left_out) {
   return rest;
 }
 
+Eigen::Matrix3Xd columns_of(const Monuments& monuments, Eigen::Vector3d MonumentSight::*place) {
+  Eigen::Matrix3Xd p(3, monuments.size());
+  for (std::size_t i = 0; i < monuments.size(); ++i)
+    p.col(static_cast<Eigen::Index>(i)) = monuments[i].*place;
+  return p;
+}
+
 Pose rigid_pose(const Monuments& monuments) {
-  Eigen::Matrix3Xd p_B(3, monuments.size()), p_L(3, monuments.size());
-  for (std::size_t i = 0; i < monuments.size(); ++i) {
-    p_B.col(static_cast<Eigen::Index>(i)) = monuments[i].p_known;
-    p_L.col(static_cast<Eigen::Index>(i)) = monuments[i].p_read;
-  }
-  return fit_rigid_3d(p_B, p_L);
+  return fit_rigid_3d(columns_of(monuments, &MonumentSight::p_known),
+                      columns_of(monuments, &MonumentSight::p_read));
 }
 
 /// Returns how much longer the distance of two monuments was read than it is known to be, metres.
@@ -111,8 +113,8 @@ std::string worst_side(const Monuments& monuments, double sigma) {
       worst = std::abs(error);
       text = fmt::format(
           "'{}' and '{}' are {:.3f} mm apart, {:.3f} +- {:.3f} mm {} than in the cell file",
-          monuments[k].id, monuments[i].id, read / kMillimetre, worst / kMillimetre,
-          std::sqrt(2.0) * sigma / kMillimetre, error > 0.0 ? "more" : "less");
+          monuments[k].id, monuments[i].id, mm(read), mm(worst), mm(std::sqrt(2.0) * sigma),
+          error > 0.0 ? "more" : "less");
     }
   }
   return text;
@@ -146,12 +148,6 @@ MonumentVerdict verdict(const Monuments& monuments, double sigma) {
   return result;
 }
 
-Eigen::Vector3d mean_shift(const Monuments& ends) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const MonumentSight& m : ends) sum += m.p_read - m.p_known;
-  return sum / static_cast<double>(ends.size());
-}
-
 /// Returns the monuments that were read twice, at the beginning (p_known) and at the end (p_read).
 Monuments read_twice(const Monuments& begin, const Monuments& end) {
   Monuments both;
@@ -166,17 +162,19 @@ Monuments read_twice(const Monuments& begin, const Monuments& end) {
 }
 
 Refusal doubt_of_drift(const Monuments& ends, double sigma) {
+  const Eigen::Matrix3Xd shifts =
+      columns_of(ends, &MonumentSight::p_read) - columns_of(ends, &MonumentSight::p_known);
   std::string sizes;
   for (const MonumentSight& m : ends)
     sizes += fmt::format("{}'{}' by {:.3f}", sizes.empty() ? "" : ", ", m.id,
-                         (m.p_read - m.p_known).norm() / kMillimetre);
+                         mm((m.p_read - m.p_known).norm()));
   const std::string who =
       ends.size() == 1 ? "the tracker, the base or this monument moved"
       : fits(ends, sigma)
           ? fmt::format(
                 "their distances have not changed, so the tracker or the base moved, by {:.3f} "
                 "mm on average",
-                mm(mean_shift(ends).norm()))
+                mm(shifts.rowwise().mean().norm()))
           : "not all alike, so one of them moved";
   return {
       fmt::format("datum: between the beginning and the end of the recording the monuments moved "
@@ -245,7 +243,8 @@ std::map<std::string, std::vector<MonumentReading>> sort_readings(
   return by_id;
 }
 
-void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
+void require_fit(const DatumRegistration& datum, const Monuments& monuments) {
+  const Eigen::Matrix3Xd p_B = columns_of(monuments, &MonumentSight::p_known);
   const double spread =
       std::sqrt((p_B.colwise() - p_B.rowwise().mean()).colwise().squaredNorm().mean());
   if (datum.rms <= kMaxResidualShare * spread) return;
@@ -257,23 +256,16 @@ void require_fit(const DatumRegistration& datum, const Eigen::Matrix3Xd& p_B) {
        "datum"});
 }
 
-DatumRegistration registration_of(const std::vector<MonumentSight>& sights) {
+DatumRegistration registration_of(const Monuments& sights) {
   DatumRegistration result;
-  const auto n = static_cast<Eigen::Index>(sights.size());
-  Eigen::Matrix3Xd p_B(3, n), p_L(3, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    p_B.col(i) = sights[static_cast<std::size_t>(i)].p_known;
-    p_L.col(i) = sights[static_cast<std::size_t>(i)].p_read;
-  }
-  result.X_BL = fit_rigid_3d(p_B, p_L);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const MonumentSight& sight = sights[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d residual = result.X_BL * Eigen::Vector3d(p_L.col(i)) - p_B.col(i);
+  result.X_BL = rigid_pose(sights);
+  for (const MonumentSight& sight : sights) {
+    const Eigen::Vector3d residual = result.X_BL * sight.p_read - sight.p_known;
     result.residuals.push_back({sight.id, sight.readings, residual});
-    result.rms += residual.squaredNorm() / static_cast<double>(n);
+    result.rms += residual.squaredNorm() / static_cast<double>(sights.size());
   }
   result.rms = std::sqrt(result.rms);
-  require_fit(result, p_B);
+  require_fit(result, sights);
   return result;
 }
 

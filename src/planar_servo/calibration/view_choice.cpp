@@ -10,7 +10,6 @@
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
-
 namespace {
 
 constexpr double kRemembered_s = 10.0;
@@ -93,9 +92,7 @@ double off_grid_share(const Board& board, const std::vector<Eigen::Vector2d>& pi
   std::vector<Eigen::Vector2d> on_grid;
   for (const Eigen::Vector2i& place : board_places(board))
     on_grid.push_back((*H * place.cast<double>().homogeneous()).hnormalized());
-  Eigen::Vector2d middle(0.0, 0.0);
-  for (const Eigen::Vector2d& pixel : pixels) middle += pixel / static_cast<double>(pixels.size());
-  return distance_px(on_grid, pixels) / distance_px(pixels, std::vector(pixels.size(), middle));
+  return distance_px(on_grid, pixels) / rms_length(about_centroid(pixels));
 }
 
 double wrap_to_period(double angle, double period) {

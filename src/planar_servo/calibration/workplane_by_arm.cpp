@@ -10,7 +10,6 @@
 #include "planar_servo/calibration/plane_sights.h"
 #include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/geometry/lens/workplane.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 namespace {
@@ -136,7 +135,7 @@ bool leave_out(const Alignment& alignment, std::vector<FlatSight>& sights,
           {sights[i].sent->sight.id,
            fmt::format("the end point is seen {:.2f} mm from where the arm was sent, "
                        "others within {:.2f} mm",
-                       off[i] / kMillimetre, most / kMillimetre)});
+                       mm(off[i]), mm(most))});
   }
   const bool any = kept.size() < sights.size();
   sights = std::move(kept);
@@ -147,7 +146,7 @@ void require_small(double rms, double field) {
   if (rms <= kMostRmsShare * field) return;
   throw InputError({fmt::format("end points are seen {:.2f} mm rms from where the arm was sent, "
                                 "over a field of {:.0f} mm",
-                                mm(rms), field / kMillimetre),
+                                mm(rms), mm(field)),
                     "they do not belong together: check arm.positive_rotation, coupling and link "
                     "lengths, and that the drives kept their position",
                     "workplane"});

@@ -13,10 +13,8 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/calibration/plane_sights.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
-
 namespace {
 
 constexpr double kLeastInformation = 1.0;
@@ -234,7 +232,7 @@ void require_small(double rms_m, const Seen& seen) {
   if (rms_m <= kMaxRmsShare * field) return;
   throw InputError(
       {fmt::format("vision and tracker differ by {:.2f} mm rms over a field of {:.0f} mm",
-                   mm(rms_m), field / kMillimetre),
+                   mm(rms_m), mm(field)),
        "they do not belong together: check ids, times and the camera file", "workplane"});
 }
 
@@ -269,7 +267,7 @@ void require_same_lengths(const Pose& by_board, const Pose& by_tracker) {
   if (std::abs(board - tracker) <= kMostHeightShare * tracker) return;
   throw InputError({fmt::format("the camera is {:.0f} mm above the plane by the board, but "
                                 "{:.0f} mm by the tracker's readings",
-                                board / kMillimetre, tracker / kMillimetre),
+                                mm(board), mm(tracker)),
                     "check the pitch in --grid and the unit of the tracker's lengths",
                     "workplane"});
 }

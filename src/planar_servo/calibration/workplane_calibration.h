@@ -70,10 +70,10 @@ struct SentSight {
 };
 
 /// Finds X_WC and the end point on the tool without a tracker. Height and tilt of the plane come
-/// from a board laid on it (X_CG), whose points lie `points_height` above the lamps' plane (metres,
-/// negative below); position and turn in the plane are those that bring the end points as seen
-/// nearest to where the arm was sent, by least squares over p_sent = R (m + R(phi) p_TP) + t with
-/// the lamps' middle m. The reflector stays unknown. Outlying places are left out.
+/// from a laid board as in fit_workplane_to_board(); position and turn in the plane are those that
+/// bring the end points as seen nearest to where the arm was sent, by least squares over p_sent =
+/// R (m + R(phi) p_TP) + t with the lamps' middle m. The reflector stays unknown. Outlying places
+/// are left out.
 ///
 /// Throws InputError for fewer than 6 places, for lamps that point in nearly the same direction
 /// everywhere, for a scale that differs from the arm's by more than 5 %, an rms above 2 % of the

@@ -8,8 +8,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "planar_servo/base/core/statistics.h"
-
 namespace planar {
 namespace {
 

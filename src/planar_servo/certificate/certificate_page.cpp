@@ -13,7 +13,6 @@
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {
@@ -142,11 +141,10 @@ std::string workspace_table(const WorkspaceFigures& workspace) {
   return table.html();
 }
 
-constexpr char kBudgetTitle[] =
-    "Uncertainty budget over the workspace: per axis, and the share of the expected mean square";
-
 std::string budget_table(const UncertaintyBudget& budget) {
-  TextTable table = budget_list(budget).table(kBudgetTitle, "terms");
+  TextTable table = budget_list(budget).table(
+      "Uncertainty budget over the workspace: per axis, and the share of the expected mean square",
+      "terms");
   table.add_row({"root sum of squares × √2", figure_mm(budget.expected), "",
                  fmt::format("expected rms length; found {} ({})", figure_mm(budget.found),
                              interval_mm(budget.found_95))});
@@ -239,15 +237,6 @@ Panel pose_panel(const CertificateRun& run) {
   return panel;
 }
 
-constexpr char kPoseColumns[] =
-    "n: arrivals. AP: distance of their mean from the commanded pose. RP: radius about that mean, "
-    "the mean distance from it plus three standard deviations. 95 % interval: the figure lies in "
-    "it "
-    "with 95 % confidence.";
-constexpr char kDirectionColumns[] =
-    "vAP: largest distance between the mean errors of approaches along +x, -x, +y and -y. Chance "
-    "alone: in 95 of 100 runs scatter alone stays below it; what was found above it is more.";
-
 std::string place_words(const TestPlaces& places) {
   const std::string reached =
       places.usable < 1.0
@@ -277,13 +266,18 @@ std::string certificate_page(const Certificate& certificate) {
         certificate_list(certificate)
             .table("Pose accuracy AP and repeatability RP, ISO 9283, in the plane", "poses")
             .html());
-  page.add_paragraph(kPoseColumns);
+  page.add_paragraph(
+      "n: arrivals. AP: distance of their mean from the commanded pose. RP: radius about that "
+      "mean, the mean distance from it plus three standard deviations. 95 % interval: the figure "
+      "lies in it with 95 % confidence.");
   page.add_html("<div class=\"sheet\"><div>" + direction_table(certificate.accuracy) +
                 "</div><div>");
   if (certificate.accuracy.workspace)
     page.add_html(workspace_table(*certificate.accuracy.workspace));
   page.add_html("</div></div>\n");
-  page.add_paragraph(kDirectionColumns);
+  page.add_paragraph(
+      "vAP: largest distance between the mean errors of approaches along +x, -x, +y and -y. Chance "
+      "alone: in 95 of 100 runs scatter alone stays below it; what was found above it is more.");
   page.add_html(plot_html({workspace_panel(run), pose_panel(run)}));
   page.add_paragraph(place_words(run.places));
   if (certificate.budget) {

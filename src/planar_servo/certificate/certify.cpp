@@ -51,22 +51,13 @@ Eigen::Vector2d place_in_ring(const Workspace& workspace, std::size_t index) {
   return radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
-/// Says where a cell can position its end point.
-class UsablePlaces {
- public:
-  explicit UsablePlaces(const CalibratedCell& cell) : cell_(cell) {}
-
-  bool contain(const Eigen::Vector2d& p) const {
-    const CellSettings& settings = cell_.settings;
-    const TipPose tip{p, settings.tool_orientation};
-    return !settings.workspace.violation(p) &&
-           !cell_.planner.plan(tip, settings.arm.home).refusal && expect_tool(*cell_.vision, tip) &&
-           predict_error_at(*cell_.vision, tip).inside;
-  }
-
- private:
-  const CalibratedCell& cell_;
-};
+/// Returns whether a cell can position its end point here.
+bool is_usable(const CalibratedCell& cell, const Eigen::Vector2d& p) {
+  const CellSettings& settings = cell.settings;
+  const TipPose tip{p, settings.tool_orientation};
+  return !settings.workspace.violation(p) && !cell.planner.plan(tip, settings.arm.home).refusal &&
+         expect_tool(*cell.vision, tip) && predict_error_at(*cell.vision, tip).inside;
+}
 
 struct Raster {
   double first{0.0}, spacing{0.0};
@@ -79,16 +70,17 @@ struct Raster {
   }
 };
 
-Raster raster_of(const CellSettings& cell, const UsablePlaces& usable) {
-  const double reach = cell.workspace.radius_max_m;
+Raster raster_of(const CalibratedCell& cell) {
+  const Workspace& workspace = cell.settings.workspace;
+  const double reach = workspace.radius_max_m;
   Raster raster{-reach, 2.0 * reach / static_cast<double>(kNodes - 1), 0.0, {}};
   std::size_t allowed = 0, free = 0;
   for (std::size_t row = 0; row < kNodes; ++row) {
     std::vector<bool>& nodes = raster.free.emplace_back();
     for (std::size_t column = 0; column < kNodes; ++column) {
       const Eigen::Vector2d p = raster.node(column, row);
-      nodes.push_back(usable.contain(p));
-      if (!cell.workspace.violation(p)) ++allowed;
+      nodes.push_back(is_usable(cell, p));
+      if (!workspace.violation(p)) ++allowed;
       if (nodes.back()) ++free;
     }
   }
@@ -102,38 +94,37 @@ TestSquare square_at(const Raster& raster, const RasterSquare& found) {
   return {raster.node(found.column, found.row) - Eigen::Vector2d::Constant(0.5 * side), side};
 }
 
+bool is_refused(DryRun& dry, const Eigen::Vector2d& p) {
+  return dry.first_move({"", p, {}}).plan.refusal.has_value();
+}
+
 /// Plans a cycle of all moves twice, so that the way back to the first is checked, too.
 bool can_cycle(DryRun dry, const TestPlaces& places) {
-  const auto refused = [&](const Eigen::Vector2d& p) {
-    return dry.first_move({"", p, {}}).plan.refusal.has_value();
-  };
   for (int cycle = 0; cycle < 2; ++cycle)
     for (const CertificateMove& move : certificate_moves(places, 1))
-      if ((move.p_before && refused(*move.p_before)) || refused(move.p_d)) return false;
+      if ((move.p_before && is_refused(dry, *move.p_before)) || is_refused(dry, move.p_d))
+        return false;
   return true;
 }
 
 /// Returns the places among `usable`, in the order of their angle about the base, to which the ways
 /// are free.
-std::vector<Eigen::Vector2d> free_tour(const DryRun& home, std::vector<Eigen::Vector2d> usable) {
+std::vector<Eigen::Vector2d> free_tour(DryRun dry, std::vector<Eigen::Vector2d> usable) {
   std::sort(usable.begin(), usable.end(), [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return std::atan2(a.y(), a.x()) < std::atan2(b.y(), b.x());
   });
-  DryRun dry = home;
-  const auto refused = [&](const Eigen::Vector2d& p) {
-    return dry.first_move({"", p, {}}).plan.refusal.has_value();
-  };
+  const auto refused = [&](const Eigen::Vector2d& p) { return is_refused(dry, p); };
   usable.erase(std::remove_if(usable.begin(), usable.end(), refused), usable.end());
   return usable;
 }
 
 /// The tour goes once round the base, so that no motor winds itself up to its limits.
-std::vector<Eigen::Vector2d> spread_targets(const CellSettings& cell, const UsablePlaces& usable,
-                                            const DryRun& home, std::size_t wanted) {
+std::vector<Eigen::Vector2d> spread_targets(const CalibratedCell& cell, const DryRun& home,
+                                            std::size_t wanted) {
   std::vector<Eigen::Vector2d> places, tour;
   for (std::size_t index = 1; index <= kMostTries * wanted; ++index) {
-    const Eigen::Vector2d p = place_in_ring(cell.workspace, index);
-    if (!usable.contain(p)) continue;
+    const Eigen::Vector2d p = place_in_ring(cell.settings.workspace, index);
+    if (!is_usable(cell, p)) continue;
     places.push_back(p);
     if (places.size() < wanted) continue;
     tour = free_tour(home, places);
@@ -143,7 +134,7 @@ std::vector<Eigen::Vector2d> spread_targets(const CellSettings& cell, const Usab
                                 tour.size(), wanted),
                     "record training positions over more of the workspace, or narrow the workspace "
                     "in the cell file",
-                    cell.file});
+                    cell.settings.file});
 }
 
 namespace fs = std::filesystem;
@@ -162,12 +153,6 @@ std::string header_of(const CertificateRequest& request, JudgeKind judge) {
        fmt::format("# cell: {}", content_sha256(request.servo.cell->settings.file))});
 }
 
-/// Throws InputError when the folder's moves were made with other calibration files.
-void require_same_files(ServoRequest servo) {
-  servo.folder.resume = true;
-  results_so_far(servo);
-}
-
 /// Returns the moves that the folder holds. Throws InputError when they are of another certificate.
 std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const std::string& header) {
   const fs::path file = cycles_file(request), results = request.servo.folder.path / "results.csv";
@@ -179,7 +164,9 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   drop_torn_line(file, header);
   const std::string text = read_file(file);
   if (text.compare(0, header.size(), header) == 0) {
-    require_same_files(request.servo);
+    ServoRequest servo = request.servo;
+    servo.folder.resume = true;
+    results_so_far(servo);  // throws where the moves were made with other calibration files
     return read_cycles(file);
   }
   throw InputError(
@@ -306,7 +293,7 @@ std::vector<CertificateMove> certificate_moves(const TestPlaces& places, int cyc
       moves.push_back({fmt::format("c{:02}.{}", cycle, pose_name(i)), CertificatePart::kPose,
                        pose_name(i), "", cycle, places.poses[i],
                        places.poses[(i + poses - 1) % poses]});
-  const double way = kApproachShare * places.square.side;
+  const double way = 0.05 * places.square.side;  // by which a pose is approached
   for (int cycle = 1; cycle <= cycles; ++cycle)
     for (const std::size_t i : kVariationPoses)
       for (const ApproachSide& side : kSides)
@@ -354,14 +341,13 @@ std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& fre
 }
 
 TestPlaces find_test_places(const CalibratedCell& cell, std::size_t targets) {
-  const UsablePlaces usable(cell);
-  const Raster raster = raster_of(cell.settings, usable);
+  const Raster raster = raster_of(cell);
   const DryRun dry(cell, foresee_check(cell).end);
   for (const RasterSquare& found : free_squares(raster.free)) {
     const TestSquare square = square_at(raster, found);
     TestPlaces places{square, raster.spacing, raster.usable, square_poses(square), {}};
     if (!can_cycle(dry, places)) continue;
-    places.targets = spread_targets(cell.settings, usable, dry, targets);
+    places.targets = spread_targets(cell, dry, targets);
     return places;
   }
   throw InputError({"no square of the workspace is reached by arm, camera and error map",

@@ -11,7 +11,6 @@
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
-#include "planar_servo/loop/vision/see_tool.h"
 #include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/work/run/servo_run.h"
 
@@ -64,9 +63,6 @@ struct CertificateSize {
 
   static constexpr int kLeastCycles{2}, kMostCycles{1000}, kMostTargets{10000};
 };
-
-/// A pose is approached from this share of the square's side.
-constexpr double kApproachShare = 0.05;
 
 /// Returns every move in its order: the cycles P1 to P5, each pose coming from the one before
 /// it; then the cycles in which P1, P2 and P4 are approached from +x, -x, +y and -y; then the

@@ -213,8 +213,8 @@ std::string budget_words(const UncertaintyBudget& budget) {
   return words + fmt::format(
                      "Most would be gained at the {}: without it {:.4f} mm would be expected "
                      "instead of {:.4f} mm; {}.",
-                     largest.what, budget.expected_without(largest) / kMillimetre,
-                     mm(budget.expected), largest.remedy);
+                     largest.what, mm(budget.expected_without(largest)), mm(budget.expected),
+                     largest.remedy);
 }
 
 }  // namespace planar

@@ -40,7 +40,6 @@ RecordingState state_of(const RecordView& view) {
   return state;
 }
 
-/// Returns how a certificate ended, in words.
 std::string words_of(const Certificate& certificate) {
   if (!certificate.run.ended_by.empty())
     return fmt::format(

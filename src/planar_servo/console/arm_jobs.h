@@ -20,16 +20,14 @@ struct RecordingOrder {
   std::string on_bad_reading{"repeat"};
 };
 
-/// Records cells as planar-record does, with the person at a page. All functions may be called from
-/// any thread.
+/// Records cells as planar-record does, with the person at a page. Any thread may call it.
 class RecordingJob {
  public:
   /// All must outlive it.
   RecordingJob(const KnownCell& cell, StateBoard& board, CellJobs& jobs, PageSeat& seat)
       : cell_(cell), board_(board), jobs_(jobs), seat_(seat) {}
 
-  /// Begins or continues a recording and returns the number of its job once its files are read.
-  /// Throws as the functions of CellJobs do.
+  /// Begins or continues a recording; returns and throws as the functions of CellJobs do.
   int begin(const RecordingOrder& order, StopsKnown known);
 
  private:
@@ -47,8 +45,8 @@ class CertificateJob {
       : board_(board), jobs_(jobs), seat_(seat) {}
 
   /// Begins a certificate in the folder `name` beside the cell file, or continues the one that was
-  /// broken off there, and returns the number of its job once its files are read. Throws as the
-  /// functions of CellJobs do, and InputError for sizes that planar-certify refuses.
+  /// broken off there. Returns and throws as the functions of CellJobs do; throws InputError for
+  /// sizes that planar-certify refuses, too.
   int begin(const std::string& name, const CertificateSize& size, StopsKnown known);
 
  private:
@@ -60,7 +58,7 @@ class CertificateJob {
   PageSeat& seat_;
 };
 
-/// Follows a path as planar-servo does. All functions may be called from any thread.
+/// Follows a path as planar-servo does. Any thread may call it.
 class PathJob {
  public:
   /// All must outlive it.
@@ -73,8 +71,8 @@ class PathJob {
   nlohmann::ordered_json json() const;
 
   /// Follows the path once at each speed under each guidance, in the folder `name` beside the cell
-  /// file, and returns the number of the job once its files are read. Throws as the functions of
-  /// CellJobs do, and InputError for speeds and ways that planar-servo refuses.
+  /// file. Returns and throws as the functions of CellJobs do; throws InputError for speeds and
+  /// ways that planar-servo refuses, too.
   int begin(const std::string& name, const std::vector<double>& speeds_mm_s,
             const std::vector<Guidance>& guidances, StopsKnown known);
 

@@ -35,11 +35,9 @@ class CellJobs {
   /// Keeps the rows of a table as the targets of the next run; those that were taught for an empty
   /// text. Throws InputError with every fault.
   void load_targets(const std::string& csv, const std::string& work, const std::string& tool);
-  /// Returns the targets that were loaded, or else were taught. Throws InputError for a taught
-  /// table with faults.
+  /// Returns targets that were loaded, or else taught. Throws InputError for faults of the latter.
   Wanted wanted();
-  /// Returns them in the base frame. Throws InputError for works and tools that do not belong to
-  /// the calibration.
+  /// Returns them in the base frame. Throws InputError for works and tools of other calibrations.
   std::vector<TargetRow> targets() { return placed(wanted()).targets; }
   /// Returns the names of the cell folder's files of works.
   std::vector<std::string> works() const;
@@ -68,7 +66,6 @@ class CellJobs {
   using Stop = std::function<bool()>;
   /// Calls it once all is read.
   using Work = std::function<Ending(CellDevices&, const Stop&, const Begun&)>;
-  /// Begins a job of this kind and name.
   int begin(Doing doing, const std::string& kind, const std::string& name, StopsKnown known,
             const Work& work);
 
@@ -82,9 +79,8 @@ class CellJobs {
   ServoRun::Observer watch();
   /// Tells a result of the job, an object.
   void tell_result(nlohmann::ordered_json result);
-  /// Shows how far the job has come.
   void show_progress(std::size_t done, std::size_t all, std::optional<double> left_s);
-  /// Shows the same with the time left, as the places since the first one took.
+  /// Shows the progress with the time left, as the places since the first one took.
   void show_progress(std::size_t done, std::size_t all);
   /// Shows what holds the cell; nothing for an empty reason.
   void hold(const std::string& reason);
@@ -100,7 +96,6 @@ class CellJobs {
   void note_findings(const std::vector<HealthFinding>& found);
   void end(const Ending& ending);
   void require_able() const;
-  /// Returns how the cell goes to targets.
   ServoRequest request_for_targets(const Stop& stop, const std::filesystem::path& out);
 
   const KnownCell& cell_;
@@ -111,8 +106,7 @@ class CellJobs {
   std::mutex mutex_;
   Wanted loaded_;  ///< without targets, those that were taught
   std::vector<nlohmann::ordered_json> results_;
-  /// The first place that a job has done: how many there are then, and when. What is checked before
-  /// is not in its time.
+  /// How many places a job has done at first, and when: checks before it are not in its time.
   struct FirstPlace {
     std::size_t done;
     double at_s;

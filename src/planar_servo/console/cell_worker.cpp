@@ -105,7 +105,6 @@ std::uint64_t CellWorker::hold(const ArmCommand& command, const std::string& wor
   if (!std::holds_alternative<TurnCommand>(command) &&
       !std::holds_alternative<StepCommand>(command))
     throw InputError({fmt::format("'{}' is not held", words), "hold joint, x or y", "line"});
-  constexpr bool kHeld = true;
   const auto task = post(
       doing_of(command), sentence_of(command, words), known,
       [this, command] {
@@ -117,7 +116,7 @@ std::uint64_t CellWorker::hold(const ArmCommand& command, const std::string& wor
                                           std::string(error.what()));
         }
       },
-      kHeld);
+      /*held=*/true);
   return task->begun;
 }
 

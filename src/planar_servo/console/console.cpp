@@ -43,12 +43,10 @@ class BoardSink final : public spdlog::sinks::base_sink<std::mutex> {
   StateBoard& board_;
 };
 
-constexpr char kThisComputer[] = "127.0.0.1", kAnyAddress[] = "0.0.0.0";
-
 /// Returns the encryption that is asked for; null for none.
 std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
   const std::string& address = listening.address;
-  if (address == kAnyAddress)
+  if (address == "0.0.0.0")
     throw InputError(
         {"is every address of this computer", "name the one by which others reach it", "--listen"});
   if (listening.certificate.empty() != listening.key.empty())
@@ -62,7 +60,7 @@ std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
           listening.certificate.string(), address);
     return tls;
   }
-  if (address == kThisComputer) return nullptr;
+  if (address == "127.0.0.1") return nullptr;
   throw InputError(
       {fmt::format("{} is not this computer alone, and others could read what is sent", address),
        fmt::format("give --certificate and --key; this makes them: openssl req -x509 -newkey ec "
@@ -75,28 +73,44 @@ std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
 
 }  // namespace
 
-LogLines::LogLines(StateBoard& board) : sink_(std::make_shared<BoardSink>(board)) {
-  sink_->set_level(spdlog::level::info);
-  spdlog::default_logger()->sinks().push_back(sink_);
-}
+/// Tells the readers of a board what the program logs, as long as it lives.
+class LogLines {
+ public:
+  explicit LogLines(StateBoard& board) : sink_(std::make_shared<BoardSink>(board)) {
+    sink_->set_level(spdlog::level::info);
+    spdlog::default_logger()->sinks().push_back(sink_);
+  }
+  ~LogLines() {
+    auto& sinks = spdlog::default_logger()->sinks();
+    sinks.erase(std::remove(sinks.begin(), sinks.end(), sink_), sinks.end());
+  }
+  LogLines(const LogLines&) = delete;
+  LogLines& operator=(const LogLines&) = delete;
 
-LogLines::~LogLines() {
-  auto& sinks = spdlog::default_logger()->sinks();
-  sinks.erase(std::remove(sinks.begin(), sinks.end(), sink_), sinks.end());
-}
+ private:
+  spdlog::sink_ptr sink_;
+};
 
-CellLock::CellLock(const std::filesystem::path& cell_file)
-    : descriptor_(open(cell_file.c_str(), O_RDONLY | O_CLOEXEC)) {
-  // A file system without locks is used as it is.
-  if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-  close(descriptor_);
-  throw InputError(
-      {"another planar-console serves this cell", "use its page, or end it first", cell_file});
-}
+/// Reserves a cell for one console, until this object or the program ends, however that ends.
+class CellLock {
+ public:
+  /// Throws InputError when another console holds the cell.
+  explicit CellLock(const std::filesystem::path& cell_file)
+      : descriptor_(open(cell_file.c_str(), O_RDONLY | O_CLOEXEC)) {
+    // A file system without locks is used as it is.
+    if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+      return;
+    close(descriptor_);
+    throw InputError(
+        {"another planar-console serves this cell", "use its page, or end it first", cell_file});
+  }
+  ~CellLock() { close(descriptor_); }
+  CellLock(const CellLock&) = delete;
+  CellLock& operator=(const CellLock&) = delete;
 
-CellLock::~CellLock() {
-  close(descriptor_);
-}
+ private:
+  int descriptor_;
+};
 
 /// What stays when the cell's files are read anew.
 struct Console::Kept {

@@ -1,50 +1,19 @@
 #pragma once
 
-#include <spdlog/common.h>
-
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "planar_servo/console/state_board.h"
-
 namespace planar {
-
-/// Tells the readers of a board what the program logs, as long as it lives.
-class LogLines {
- public:
-  explicit LogLines(StateBoard& board);
-  ~LogLines();
-  LogLines(const LogLines&) = delete;
-  LogLines& operator=(const LogLines&) = delete;
-
- private:
-  spdlog::sink_ptr sink_;
-};
-
-/// Reserves a cell for one console. The lock ends with this object or with the program, however
-/// that ends.
-class CellLock {
- public:
-  /// Throws InputError when another console holds the cell.
-  explicit CellLock(const std::filesystem::path& cell_file);
-  ~CellLock();
-  CellLock(const CellLock&) = delete;
-  CellLock& operator=(const CellLock&) = delete;
-
- private:
-  int descriptor_;
-};
 
 /// The addresses by which a browser on this computer opens a console, each with its token.
 struct ConsoleAddresses {
   std::string operate, read;
 };
 
-/// Where a console is to listen. Beyond this computer (127.0.0.1) it needs a certificate and its
-/// key, PEM files.
+/// Where a console listens. Beyond this computer it needs a certificate and its key, PEM files.
 struct ConsoleListening {
   int port{0};  ///< 0 for a free one
   std::string address{"127.0.0.1"};

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
@@ -14,8 +13,7 @@
 
 namespace planar {
 
-/// Returns the value of an order's word. Throws InputError, which says whose word it is, for
-/// another one.
+/// Returns the value of an order's word. Throws InputError, which names its key, for another one.
 template <typename Enum, std::size_t N>
 Enum value_in(const Named<Enum> (&table)[N], const std::string& word, const char* key) {
   const auto value = value_named(table, word);
@@ -32,22 +30,20 @@ inline nlohmann::ordered_json json_number(double value) {
   return std::round(value * kPlaces) / kPlaces + 0.0;
 }
 
-inline nlohmann::ordered_json json_numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
+template <typename Items, typename ToJson>
+nlohmann::ordered_json json_list(const Items& items, const ToJson& to_json) {
   auto list = nlohmann::ordered_json::array();
-  for (const double value : values) list.push_back(json_number(value));
+  for (const auto& item : items) list.push_back(to_json(item));
   return list;
+}
+
+inline nlohmann::ordered_json json_numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  return json_list(values, json_number);
 }
 
 /// Returns a place in millimetres, `[x, y]`.
 inline nlohmann::ordered_json json_mm(const Eigen::Vector2d& p) {
   return json_numbers(p / kMillimetre);
-}
-
-template <typename Item, typename ToJson>
-nlohmann::ordered_json json_list(const std::vector<Item>& items, const ToJson& to_json) {
-  auto list = nlohmann::ordered_json::array();
-  for (const Item& item : items) list.push_back(to_json(item));
-  return list;
 }
 
 }  // namespace planar

@@ -129,10 +129,10 @@ ArmState KnownCell::arm_at(const std::array<DriveStatus, 3>& drives, bool enable
 
 ordered_json KnownCell::json() const {
   std::call_once(map_made_, [this] { map_ = map_json(); });
-  auto limits = ordered_json::array();
   const CellSettings& cell = settings();
-  for (const Eigen::Vector2d& limit : cell.transmission.limits_rad)
-    limits.push_back(json_numbers(limit / kDegree));
+  const auto limits = json_list(cell.transmission.limits_rad, [](const Eigen::Vector2d& limit) {
+    return json_numbers(limit / kDegree);
+  });
   const Eigen::Vector2d lengths_m = cell.arm.geometry.link_lengths_m;
   return {{"name", folder_.filename().string()},
           {"virtual", cell.truth.has_value()},

@@ -4,7 +4,6 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "planar_servo/base/devices/drive_group.h"
@@ -49,7 +48,6 @@ class KnownCell {
   mutable nlohmann::ordered_json map_;
 };
 
-/// Returns a table of targets as the page shows it.
 nlohmann::ordered_json targets_json(const std::vector<TargetRow>& targets);
 
 }  // namespace planar

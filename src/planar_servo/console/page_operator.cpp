@@ -9,11 +9,6 @@
 #include "planar_servo/hardware/robot/planar_robot.h"
 
 namespace planar {
-namespace {
-
-constexpr std::chrono::milliseconds kStopIsAsked{50};
-
-}  // namespace
 
 PageOperator::PageOperator(StateBoard& board, std::function<bool()> stop,
                            std::function<void()> asked)
@@ -25,6 +20,7 @@ PageOperator::~PageOperator() {
 }
 
 std::string PageOperator::ask(const std::string& question) {
+  constexpr std::chrono::milliseconds kStopIsAsked{50};
   asked_();
   std::unique_lock<std::mutex> lock(mutex_);
   answer_.reset();

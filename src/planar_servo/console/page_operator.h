@@ -52,15 +52,13 @@ class PageOperator final : public Operator {
   bool confirmed_{false};
 };
 
-/// Where requests find the person at the page of the job that runs now, if it needs one. All
-/// functions may be called from any thread.
+/// Where requests, of any thread, find the person at the page of the present job, if it needs one.
 class PageSeat {
  public:
   /// Gives the seat to this person until the result ends.
   std::shared_ptr<void> take(std::shared_ptr<PageOperator> person);
 
-  /// Answers the question of this number; confirms what is advised. Throw CellBusy where that is
-  /// not asked for.
+  /// Answers the question of this number; confirms an advice. Throw CellBusy where none stands.
   void answer(int question, const std::string& text);
   void confirm();
 

@@ -1,7 +1,6 @@
 #include "planar_servo/console/picture_watch.h"
 
 #include <algorithm>
-#include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -118,8 +117,7 @@ std::shared_ptr<const std::string> jpeg_of(const cv::Mat& image) {
   return std::make_shared<const std::string>(bytes.begin(), bytes.end());
 }
 
-/// Returns the image in a size that is not larger. Halving is many times faster than any other
-/// ratio.
+/// Returns the image in a size that is not larger. Halving is many times faster than other ratios.
 cv::Mat shrunk(cv::Mat image, const cv::Size& size) {
   while (image.cols >= 2 * size.width && image.rows >= 2 * size.height) {
     cv::Mat half;
@@ -140,13 +138,9 @@ cv::Rect scaled(const cv::Rect& region_px, double scale) {
 constexpr double kWhite = 255.0;
 constexpr double kExamineFrameEvery_s = 0.15;
 
-std::array<LampState, 2> lamp_states(const SightedLamps& sight) {
-  std::array<LampState, 2> states;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const LampCenter& lamp = sight.lamps[i];
-    states[i] = {lamp.uv_px, sight.edges_px[i], lamp.look.level >= kWhite};
-  }
-  return states;
+LampState lamp_state(const SightedLamps& sight, std::size_t i) {
+  const LampCenter& lamp = sight.lamps[i];
+  return {lamp.uv_px, sight.edges_px[i], lamp.look.level >= kWhite};
 }
 
 }  // namespace
@@ -247,7 +241,7 @@ void PictureWatch::examine(const Frame& frame) {
     state.edge_px.reset();
     state.best_edge_px = best_px_;
     if (sight) {
-      state.lamps = lamp_states(*sight);
+      state.lamps = std::array{lamp_state(*sight, 0), lamp_state(*sight, 1)};
       state.edge_px = sight->mean_edge_px();
     }
     if (is_whole) state.fixed_lamps = std::move(fixed);

@@ -32,8 +32,7 @@ struct DeviceWatch {
 std::unique_ptr<CellDevices> watched(std::unique_ptr<CellDevices> devices, bool is_virtual,
                                      DeviceWatch watch);
 
-/// Holds what the camera has shown last, and encodes it once for all readers, when the first one
-/// asks for it.
+/// Holds what the camera has shown last, and encodes it once for all, when the first reader asks.
 class Pictures {
  public:
   /// A JPEG, and the number of the picture it shows.
@@ -46,8 +45,7 @@ class Pictures {
 
   const cv::Size& sensor_px() const { return sensor_px_; }
 
-  /// Takes a frame of the whole sensor or of a region, whose pixels nobody changes any more.
-  /// Returns its number.
+  /// Takes a frame of the sensor or a region, whose pixels nobody changes, and returns its number.
   std::uint64_t take(const Frame& frame);
   /// Says where the lamps are, in pixels of the sensor.
   void aim(const std::array<Eigen::Vector2d, 2>& lamps_px);
@@ -90,8 +88,7 @@ class PictureWatch {
   PictureWatch(const CellSettings& cell, const std::optional<VisionCalibration>& vision,
                StateBoard& board);
 
-  /// Takes any frame that the camera has given. Where somebody looks, finds what it shows a few
-  /// times a second.
+  /// Takes any frame of the camera. Where somebody looks, it is examined a few times a second.
   void take(const Frame& frame, bool is_watched);
   /// Begins anew with the sharpest edges.
   void forget_best() { best_px_.reset(); }

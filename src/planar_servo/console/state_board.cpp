@@ -4,9 +4,7 @@
 
 #include <cctype>
 #include <chrono>
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/console/json_values.h"
@@ -33,51 +31,37 @@ constexpr std::size_t kEventsKept = 400;
 /// A reader gets a state no more and no less often than this.
 constexpr double kStateEvery_s = 0.2, kHeartbeat_s = 1.0;
 
-std::chrono::duration<double> seconds(double s) {
-  return std::chrono::duration<double>(s);
-}
-
 ordered_json or_null(const std::string& text) {
   return text.empty() ? ordered_json(nullptr) : ordered_json(text);
 }
 
 ordered_json arm_json(const ArmState& arm) {
-  const auto& stand = arm.stand;
-  const auto if_known = [&](const auto& value) { return stand ? value(*stand) : ordered_json(); };
-  return {
-      {"enabled", arm.enabled},
-      {"homed", stand.has_value()},
-      {"joints_deg", if_known([](const ArmStand& at) { return json_numbers(at.theta / kDegree); })},
-      {"elbow_mm", if_known([](const ArmStand& at) { return json_mm(at.elbow_B); })},
-      {"tip_mm", if_known([](const ArmStand& at) { return json_mm(at.tip.p); })},
-      {"phi_deg", if_known([](const ArmStand& at) {
-         return ordered_json(json_number(at.tip.phi / kDegree));
-       })},
-      {"to_do", or_null(arm.to_do)}};
+  const auto& at = arm.stand;
+  const auto null = ordered_json(nullptr);
+  return {{"enabled", arm.enabled},
+          {"homed", at.has_value()},
+          {"joints_deg", at ? json_numbers(at->theta / kDegree) : null},
+          {"elbow_mm", at ? json_mm(at->elbow_B) : null},
+          {"tip_mm", at ? json_mm(at->tip.p) : null},
+          {"phi_deg", at ? json_number(at->tip.phi / kDegree) : null},
+          {"to_do", or_null(arm.to_do)}};
 }
 
-ordered_json lamps_json(const std::array<LampState, 2>& lamps) {
-  auto list = ordered_json::array();
-  for (const LampState& lamp : lamps)
-    list.push_back({{"x_px", json_number(lamp.uv_px.x())},
-                    {"y_px", json_number(lamp.uv_px.y())},
-                    {"edge_px", json_number(lamp.edge_px)},
-                    {"saturated", lamp.saturated}});
-  return list;
+ordered_json lamp_json(const LampState& lamp) {
+  return {{"x_px", json_number(lamp.uv_px.x())},
+          {"y_px", json_number(lamp.uv_px.y())},
+          {"edge_px", json_number(lamp.edge_px)},
+          {"saturated", lamp.saturated}};
 }
 
-ordered_json fixed_lamps_json(const std::vector<FixedLampState>& lamps) {
-  auto list = ordered_json::array();
-  for (const FixedLampState& lamp : lamps)
-    list.push_back({{"id", lamp.id},
-                    {"x_px", json_number(lamp.uv_px.x())},
-                    {"y_px", json_number(lamp.uv_px.y())},
-                    {"moved_px", json_number(lamp.moved_px)}});
-  return list;
+ordered_json fixed_lamp_json(const FixedLampState& lamp) {
+  return {{"id", lamp.id},
+          {"x_px", json_number(lamp.uv_px.x())},
+          {"y_px", json_number(lamp.uv_px.y())},
+          {"moved_px", json_number(lamp.moved_px)}};
 }
 
 ordered_json job_json(const JobState& job) {
-  const bool ended = !job.ended.empty();
   return {{"id", job.id},
           {"kind", job.kind},
           {"name", job.name},
@@ -85,11 +69,7 @@ ordered_json job_json(const JobState& job) {
           {"all", job.all},
           {"left_s", job.left_s ? json_number(*job.left_s) : ordered_json(nullptr)},
           {"ended", or_null(job.ended)},
-          {"ok", ended ? ordered_json(job.ok) : ordered_json(nullptr)}};
-}
-
-ordered_json question_json(const PageQuestion& question) {
-  return {{"id", question.id}, {"text", question.text}};
+          {"ok", job.ended.empty() ? ordered_json(nullptr) : ordered_json(job.ok)}};
 }
 
 ordered_json point_json(const Eigen::Vector2d& p) {
@@ -190,9 +170,9 @@ std::string StateBoard::next(Reader& reader) {
     if (!text.empty()) return text;
     // A state that comes too early wakes nobody again.
     if (news)
-      told_.wait_for(lock, seconds(kStateEvery_s - age_s));
+      told_.wait_for(lock, std::chrono::duration<double>(kStateEvery_s - age_s));
     else
-      changed_.wait_for(lock, seconds(kHeartbeat_s - age_s));
+      changed_.wait_for(lock, std::chrono::duration<double>(kHeartbeat_s - age_s));
   }
   return {};
 }
@@ -234,9 +214,7 @@ ordered_json StateBoard::json_locked() const {
           {"text", state.text},
           {"since_s", json_number(now_s - state.since_s)},
           {"held_by", or_null(state.held_by)},
-          {"checking_mm",
-           state.checking_B ? json_list(*state.checking_B, [](const auto& p) { return json_mm(p); })
-                            : null},
+          {"checking_mm", state.checking_B ? json_list(*state.checking_B, json_mm) : null},
           {"operator", or_null(state.mover)},
           {"arm", state.arm ? arm_json(*state.arm) : null},
           {"seen_mm", state.seen_B ? json_mm(*state.seen_B) : null},
@@ -246,14 +224,16 @@ ordered_json StateBoard::json_locked() const {
           {"exposure",
            {{"exposure_us", json_number(state.exposure.time_s / kMicrosecond)},
             {"gain_db", json_number(state.exposure.gain_db)}}},
-          {"lamps", state.lamps ? lamps_json(*state.lamps) : null},
+          {"lamps", state.lamps ? json_list(*state.lamps, lamp_json) : null},
           {"sharpness", state.edge_px ? ordered_json{{"edge_px", json_number(*state.edge_px)},
                                                      {"best_px", json_number(*state.best_edge_px)}}
                                       : null},
-          {"fixed_lamps", fixed_lamps_json(state.fixed_lamps)},
+          {"fixed_lamps", json_list(state.fixed_lamps, fixed_lamp_json)},
           {"doubts", json_list(state.doubts, refusal_json)},
           {"job", state.job ? job_json(*state.job) : null},
-          {"question", state.question ? question_json(*state.question) : null},
+          {"question",
+           state.question ? ordered_json{{"id", state.question->id}, {"text", state.question->text}}
+                          : null},
           {"advice", or_null(state.advice)},
           {"recording", state.recording ? recording_json(*state.recording) : null}};
 }

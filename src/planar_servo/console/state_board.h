@@ -36,7 +36,6 @@ class CellNames {
   std::vector<std::string> prefixes_;  ///< how the folder's files may be named, as JSON has it
 };
 
-/// What a cell is doing.
 enum class Doing {
   kIdle,
   kMoving,

@@ -13,6 +13,7 @@
 #include <filesystem>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/console/doctor/next_step.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
 
@@ -29,69 +30,59 @@ WorkStep next_of(const fs::path& cell, const std::string& board) {
   throw InputError(Refusal{"nothing is left to do"});
 }
 
-/// Runs a command of a shell that finds our programs first, and hands on each line that it prints.
-class ShellCommand {
- public:
-  explicit ShellCommand(const std::string& command) {
-    const char* path = std::getenv("PATH");
-    std::string ours =
-        fmt::format("PATH={}:{}", own_folder().string(), path == nullptr ? "" : path);
-    std::string text = command;
-    std::array<int, 2> ends{};
-    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw WorkError("no pipe can be made");
-    out_ = ends[0];
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&files, ends[1], STDERR_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    std::array<char, 4> env{"env"}, shell{"sh"}, option{"-c"};
-    std::array<char*, 6> words{env.data(),    ours.data(), shell.data(),
-                               option.data(), text.data(), nullptr};
-    const int fault =
-        posix_spawn(&child_, "/usr/bin/env", &files, &attributes, words.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&files);
-    close(ends[1]);
-    if (fault != 0) {
-      close(out_);
-      throw WorkError("no process can be started");
-    }
+/// Starts a shell's command, which finds our programs first and prints to `output`.
+pid_t start_shell(std::string command, int output) {
+  const char* path = std::getenv("PATH");
+  std::string ours =
+      fmt::format("PATH={}:{}", fs::read_symlink("/proc/self/exe").parent_path().string(),
+                  path == nullptr ? "" : path);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&files, output, STDERR_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  std::array<char, 4> env{"env"}, shell{"sh"}, option{"-c"};
+  std::array<char*, 6> words{env.data(),    ours.data(),    shell.data(),
+                             option.data(), command.data(), nullptr};
+  pid_t child = -1;
+  const int fault = posix_spawn(&child, "/usr/bin/env", &files, &attributes, words.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  if (fault != 0) throw WorkError("no process can be started");
+  return child;
+}
+
+/// Runs such a command, tells each line that it prints, and returns its exit status. Once `stop`
+/// answers true, the command is asked to end.
+int run_shell(const std::string& command, const std::function<bool()>& stop,
+              const std::function<void(std::string)>& tell) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw WorkError("no pipe can be made");
+  const AtEnd closed([&] { close(ends[0]); });
+  pid_t child = -1;
+  {
+    const AtEnd closed_here([&] { close(ends[1]); });
+    child = start_shell(command, ends[1]);
   }
-  ~ShellCommand() { close(out_); }
-  ShellCommand(const ShellCommand&) = delete;
-  ShellCommand& operator=(const ShellCommand&) = delete;
-
-  /// Returns the exit status once the command has ended. Where `stop` answers true, it is asked to
-  /// end.
-  int follow(const std::function<bool()>& stop, const std::function<void(std::string)>& tell) {
-    std::string text;
-    bool stopped = false;
-    for (std::array<char, 4096> read_now{};;) {
-      if (!stopped && stop()) stopped = kill(-child_, SIGINT) == 0;
-      pollfd said{out_, POLLIN, 0};
-      if (poll(&said, 1, kLook_ms) <= 0) continue;
-      const ssize_t n = ::read(out_, read_now.data(), read_now.size());
-      if (n <= 0) break;
-      text.append(read_now.data(), static_cast<std::size_t>(n));
-      for (std::size_t end = 0; (end = text.find('\n')) != std::string::npos;
-           text.erase(0, end + 1))
-        tell(text.substr(0, end));
-    }
-    int status = 0;
-    waitpid(child_, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE;
+  std::string text;
+  bool stopped = false;
+  for (std::array<char, 4096> read_now{};;) {
+    if (!stopped && stop()) stopped = kill(-child, SIGINT) == 0;
+    pollfd said{ends[0], POLLIN, 0};
+    if (poll(&said, 1, kLook_ms) <= 0) continue;
+    const ssize_t n = ::read(ends[0], read_now.data(), read_now.size());
+    if (n <= 0) break;
+    text.append(read_now.data(), static_cast<std::size_t>(n));
+    for (std::size_t end = 0; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1))
+      tell(text.substr(0, end));
   }
-
- private:
-  static fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
-  pid_t child_{-1};
-  int out_{-1};
-};
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE;
+}
 
 }  // namespace
 
@@ -122,9 +113,8 @@ int StepJob::follow(const std::string& kind, const std::string& name, const std:
   const auto calculate = [=](CellDevices& /*devices*/, const CellJobs::Stop& stop,
                              const CellJobs::Begun& begun) -> CellJobs::Ending {
     begun(0, 0);
-    ShellCommand shell(command);
     std::string last;
-    const int status = shell.follow(stop, [&](std::string line) {
+    const int status = run_shell(command, stop, [&](std::string line) {
       board_.tell_line("info", line);
       last = std::move(line);
     });

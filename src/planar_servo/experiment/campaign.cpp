@@ -14,14 +14,14 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/experiment/experiment.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/report_list.h"
-#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr double kConfidence = 0.95;
 
@@ -95,43 +95,13 @@ bool is_number_in_all(const std::string& key, const std::vector<nlohmann::json>&
   });
 }
 
-}  // namespace
-
-nlohmann::json campaign_json(const std::vector<nlohmann::json>& rows) {
-  nlohmann::json json{{"seeds", rows.size()}, {"cells", rows}};
-  nlohmann::json intervals = nlohmann::json::object();
-  for (const auto& item : rows.front().items()) {
-    const std::string& key = item.key();
-    if (key == "seed" || !is_number_in_all(key, rows)) continue;
-    const std::vector<double> values = values_of(rows, {"", key.c_str()});
-    json[key] = is_sum(key) ? std::accumulate(values.begin(), values.end(), 0.0) : median(values);
-    const auto interval = median_interval(values, kConfidence);
-    if (interval && !is_sum(key)) intervals[key] = {interval->first, interval->second};
-  }
-  json["median_95"] = std::move(intervals);
-  json["worst_after_mean_mm_truth"] = largest(values_of(rows, {"", "after_mean_mm_truth"}));
-  return json;
-}
-
+/// Returns the errors of one cell in words.
 std::string campaign_row_text(const nlohmann::json& row) {
   std::vector<std::string> figures;
   for (const Column& column : kColumns)
     figures.push_back(fmt::format("{} {}", column.title, four_decimals(value_of(row, column))));
   return fmt::format("{} mm", fmt::join(figures, "; "));
 }
-
-std::string campaign_text(const std::vector<nlohmann::json>& rows) {
-  return campaign_table(rows).plain_text();
-}
-
-std::string campaign_page(const std::vector<nlohmann::json>& rows, const std::string& cell_name) {
-  HtmlPage page(
-      fmt::format("The paper's experiment on {} cells drawn like {}", rows.size(), cell_name));
-  page.add_html(campaign_table(rows).html());
-  return page.text();
-}
-
-namespace {
 
 /// These locks belong to the opened file and not to the process, so that nobody else who closes the
 /// same file in this program gives them back.
@@ -155,7 +125,79 @@ std::string line_of(const nlohmann::json& json) {
   return json.dump() + "\n";
 }
 
+nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t seed,
+                              DrawTruth draw) {
+  ExperimentRequest drawn = request;
+  drawn.seed = seed;
+  drawn.out = request.out / fmt::format("seed_{}", seed);
+  fs::remove_all(drawn.out);
+  make_folder(drawn.out);
+  drawn.cell.truth = drawn.out / "truth.yaml";
+  write_truth(*drawn.cell.truth, draw(seed));
+  const auto devices = open_cell(drawn.cell);
+  nlohmann::json figures = experiment_list(run_experiment(drawn, *devices)).json();
+  fs::remove_all(drawn.out);
+  return figures;
+}
+
+/// Throws unless the cell file names reference lamps where cells of this kind have them.
+void require_same_lamps(const CellSettings& cell, const Truth& truth, const char* kind) {
+  const bool drawn = !truth.reference_lamps.empty();
+  if (drawn != cell.reference_lamps.empty()) return;
+  throw InputError(
+      {fmt::format("names {} reference_lamps, while cells of the kind {} have {}",
+                   drawn ? "no" : "some", kind, drawn ? "some" : "none"),
+       fmt::format("give the cell.yaml that planar-virtual-cell draw --like {} writes", kind),
+       cell.file});
+}
+
+/// Throws unless a drawn cell has about the links and the sensor that the cell file states.
+void require_same_machine(const CellSettings& cell, const Truth& drawn) {
+  constexpr double kAbout = 0.1;
+  const Eigen::Vector2d links_m(drawn.arm.link_lengths_m.data());
+  const Eigen::Vector2d sensor_px(cell.camera.width_px, cell.camera.height_px);
+  const Eigen::Vector2d& stated_m = cell.arm.geometry.link_lengths_m;
+  if ((links_m - stated_m).norm() < kAbout * stated_m.norm() &&
+      (2.0 * drawn.camera.center_px - sensor_px).norm() < kAbout * sensor_px.norm())
+    return;
+  throw InputError(
+      {fmt::format("states links of {:.0f} and {:.0f} mm and a sensor of {} x {} px; the cells "
+                   "that --seeds draws have links of about {:.0f} and {:.0f} mm and a sensor of "
+                   "about {:.0f} x {:.0f} px",
+                   stated_m[0] / kMillimetre, stated_m[1] / kMillimetre, cell.camera.width_px,
+                   cell.camera.height_px, links_m[0] / kMillimetre, links_m[1] / kMillimetre,
+                   2.0 * drawn.camera.center_px.x(), 2.0 * drawn.camera.center_px.y()),
+       "give a cell.yaml such as planar-virtual-cell draw writes", cell.file});
+}
+
 }  // namespace
+
+nlohmann::json campaign_json(const std::vector<nlohmann::json>& rows) {
+  nlohmann::json json{{"seeds", rows.size()}, {"cells", rows}};
+  nlohmann::json intervals = nlohmann::json::object();
+  for (const auto& item : rows.front().items()) {
+    const std::string& key = item.key();
+    if (key == "seed" || !is_number_in_all(key, rows)) continue;
+    const std::vector<double> values = values_of(rows, {"", key.c_str()});
+    json[key] = is_sum(key) ? std::accumulate(values.begin(), values.end(), 0.0) : median(values);
+    const auto interval = median_interval(values, kConfidence);
+    if (interval && !is_sum(key)) intervals[key] = {interval->first, interval->second};
+  }
+  json["median_95"] = std::move(intervals);
+  json["worst_after_mean_mm_truth"] = largest(values_of(rows, {"", "after_mean_mm_truth"}));
+  return json;
+}
+
+std::string campaign_text(const std::vector<nlohmann::json>& rows) {
+  return campaign_table(rows).plain_text();
+}
+
+std::string campaign_page(const std::vector<nlohmann::json>& rows, const std::string& cell_name) {
+  HtmlPage page(
+      fmt::format("The paper's experiment on {} cells drawn like {}", rows.size(), cell_name));
+  page.add_html(campaign_table(rows).html());
+  return page.text();
+}
 
 Claims::Claims(const std::filesystem::path& file)
     : path_(file), file_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
@@ -233,57 +275,6 @@ void CampaignRows::take_line(const std::string& line) {
   const auto seed = row["seed"].get<std::uint32_t>();
   rows_.emplace(seed, std::move(row));
 }
-
-namespace {
-
-namespace fs = std::filesystem;
-
-nlohmann::json run_drawn_cell(const ExperimentRequest& request, std::uint32_t seed,
-                              DrawTruth draw) {
-  ExperimentRequest drawn = request;
-  drawn.seed = seed;
-  drawn.out = request.out / fmt::format("seed_{}", seed);
-  fs::remove_all(drawn.out);
-  make_folder(drawn.out);
-  drawn.cell.truth = drawn.out / "truth.yaml";
-  write_truth(*drawn.cell.truth, draw(seed));
-  const auto devices = open_cell(drawn.cell);
-  nlohmann::json figures = experiment_list(run_experiment(drawn, *devices)).json();
-  fs::remove_all(drawn.out);
-  return figures;
-}
-
-/// Throws unless the cell file names reference lamps where cells of this kind have them.
-void require_same_lamps(const CellSettings& cell, const Truth& truth, const char* kind) {
-  const bool drawn = !truth.reference_lamps.empty();
-  if (drawn != cell.reference_lamps.empty()) return;
-  throw InputError(
-      {fmt::format("names {} reference_lamps, while cells of the kind {} have {}",
-                   drawn ? "no" : "some", kind, drawn ? "some" : "none"),
-       fmt::format("give the cell.yaml that planar-virtual-cell draw --like {} writes", kind),
-       cell.file});
-}
-
-/// Throws unless a drawn cell has about the links and the sensor that the cell file states.
-void require_same_machine(const CellSettings& cell, const Truth& drawn) {
-  constexpr double kAbout = 0.1;
-  const Eigen::Vector2d links_m(drawn.arm.link_lengths_m.data());
-  const Eigen::Vector2d sensor_px(cell.camera.width_px, cell.camera.height_px);
-  const Eigen::Vector2d& stated_m = cell.arm.geometry.link_lengths_m;
-  if ((links_m - stated_m).norm() < kAbout * stated_m.norm() &&
-      (2.0 * drawn.camera.center_px - sensor_px).norm() < kAbout * sensor_px.norm())
-    return;
-  throw InputError(
-      {fmt::format("states links of {:.0f} and {:.0f} mm and a sensor of {} x {} px; the cells "
-                   "that --seeds draws have links of about {:.0f} and {:.0f} mm and a sensor of "
-                   "about {:.0f} x {:.0f} px",
-                   stated_m[0] / kMillimetre, stated_m[1] / kMillimetre, cell.camera.width_px,
-                   cell.camera.height_px, links_m[0] / kMillimetre, links_m[1] / kMillimetre,
-                   2.0 * drawn.camera.center_px.x(), 2.0 * drawn.camera.center_px.y()),
-       "give a cell.yaml such as planar-virtual-cell draw writes", cell.file});
-}
-
-}  // namespace
 
 std::vector<nlohmann::json> work_through(
     CampaignRows& rows, const SeedRange& seeds,

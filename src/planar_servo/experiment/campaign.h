@@ -22,12 +22,8 @@ namespace planar {
 /// interval of every median as far as there are enough cells, and under `cells` the rows.
 nlohmann::json campaign_json(const std::vector<nlohmann::json>& rows);
 
-/// Returns the errors of one cell in words.
-std::string campaign_row_text(const nlohmann::json& row);
-
 /// Returns a row for each cell, the median with its interval and the worst.
 std::string campaign_text(const std::vector<nlohmann::json>& rows);
-/// Returns the text of report.html for the campaign.
 std::string campaign_page(const std::vector<nlohmann::json>& rows, const std::string& cell_name);
 
 /// A piece of the work that programs share; it is held until the last copy of this is destroyed or
@@ -81,7 +77,6 @@ class CampaignRows {
   /// Adds the row of a seed. Throws WorkError when it cannot be written.
   void append(std::uint32_t seed, nlohmann::json figures);
 
-  /// Returns every row read so far, by seed.
   const std::map<std::uint32_t, nlohmann::json>& rows() const { return rows_; }
 
  private:

@@ -21,7 +21,6 @@
 #include "planar_servo/work/run/run_files.h"
 
 namespace planar {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,10 +35,6 @@ bool has_begun_loop(const ExperimentRequest& experiment) {
   ServoRequest loop;
   loop.folder.path = run_folder(experiment, our_chain(experiment.cell).name, true);
   return fs::exists(results_file(loop));
-}
-
-bool is_done(const ServoRequest& loop, const std::vector<TargetRow>& targets) {
-  return loop.folder.resume && results_so_far(loop).size() == targets.size();
 }
 
 /// Returns the loop's chain and folder, as in "ours run".
@@ -156,8 +151,10 @@ void close_loops(const ExperimentRequest& request, const CalibratedChains& chain
     // No camera takes part: the tool is supposed to be where the arm that our chain found has it.
     tracker->suppose(
         [cell = loops[0].cell](const Joints& theta_c) { return cell->planner.reached(theta_c); });
-    const auto done = [&](const ServoRequest& loop) { return is_done(loop, targets); };
-    if (!std::all_of(loops.begin(), loops.end(), done)) tracker->make_ready(monuments);
+    const auto is_done = [&](const ServoRequest& loop) {
+      return loop.folder.resume && results_so_far(loop).size() == targets.size();
+    };
+    if (!std::all_of(loops.begin(), loops.end(), is_done)) tracker->make_ready(monuments);
   }
   const auto close = [&](ServoRequest& loop) {
     loop.judge = tracker;
@@ -174,6 +171,17 @@ PositioningPrediction predicted(const ExperimentRequest& request, const Calibrat
   return predict_positioning(
       prediction_inputs(ours.cell, ours.pairs, ours.field.value().landing_sigma),
       control_targets(request.cell.workspace, request.size));
+}
+
+std::string board_text(const Board& board) {
+  return fmt::format("{}:{}x{}:{}mm", name_in(kBoardKinds, board.kind), board.columns, board.rows,
+                     board.pitch / kMillimetre);
+}
+
+std::string value_text(const nlohmann::json& making, const std::string& key) {
+  if (!making.contains(key)) return "none";
+  const nlohmann::json& value = making[key];
+  return value.is_string() ? value.get<std::string>().substr(0, 24) : value.dump();
 }
 
 }  // namespace
@@ -228,30 +236,6 @@ PositioningPrediction predict_experiment(const ExperimentRequest& request) {
   return predicted(request, chain);
 }
 
-namespace {
-
-namespace fs = std::filesystem;
-
-std::string board_text(const Board& board) {
-  return fmt::format("{}:{}x{}:{}mm", name_in(kBoardKinds, board.kind), board.columns, board.rows,
-                     board.pitch / kMillimetre);
-}
-
-nlohmann::json making_of_experiment(const ExperimentRequest& request) {
-  nlohmann::json making = making_of_campaign(request);
-  making["seed"] = request.seed;
-  if (request.cell.truth) making["truth_sha256"] = content_sha256(*request.cell.truth);
-  return making;
-}
-
-std::string value_text(const nlohmann::json& making, const std::string& key) {
-  if (!making.contains(key)) return "none";
-  const nlohmann::json& value = making[key];
-  return value.is_string() ? value.get<std::string>().substr(0, 24) : value.dump();
-}
-
-}  // namespace
-
 nlohmann::json making_of_campaign(const ExperimentRequest& request) {
   const ExperimentSize& size = request.size;
   nlohmann::json making{{"cell_sha256", content_sha256(request.cell.file)},
@@ -288,7 +272,9 @@ void require_same_making(const fs::path& file, const nlohmann::json& begun,
 
 void begin_experiment(const ExperimentRequest& request) {
   const fs::path file = request.out / "begun.json";
-  const nlohmann::json now = making_of_experiment(request);
+  nlohmann::json now = making_of_campaign(request);
+  now["seed"] = request.seed;
+  if (request.cell.truth) now["truth_sha256"] = content_sha256(*request.cell.truth);
   if (!fs::exists(file)) {
     if (fs::exists(request.out / "recording") || fs::exists(request.out / "rows.jsonl"))
       throw InputError(

@@ -46,8 +46,6 @@ std::vector<StepError> steps_of(const fs::path& run) {
   return fs::exists(file) ? read_step_errors(file) : std::vector<StepError>();
 }
 
-constexpr std::size_t kWorstTargets = 5;
-
 std::string judged_words(const ExperimentReport& report) {
   return report.reflector_sigma ? "errors measured by the cell's tracker" : "true errors";
 }
@@ -78,19 +76,17 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
 TextTable accuracy_table(const ExperimentReport& report) {
   TextTable table(fmt::format("Distance from the targets: {}", judged_words(report)),
                   {"way", "mean, mm", "at 95 %, mm", "largest, mm"});
+  const auto text = [](double metres) { return fmt::format("{:.4f}", mm(metres)); };
   const auto add = [&](const std::string& way, const std::optional<Summary>& found) {
-    if (found)
-      table.add_row({way, fmt::format("{:.4f}", mm(found->mean)),
-                     fmt::format("{:.4f}", mm(found->p95)), fmt::format("{:.4f}", mm(found->max))});
+    if (found) table.add_row({way, text(found->mean), text(found->p95), text(found->max)});
   };
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
   add("arm by the cell file, without calibration", paper.before_judged);
   add("the paper's chain", paper.after_judged);
   add("planar-servo, arm alone", ours.before_judged);
   add("planar-servo, with vision", ours.after_judged);
-  table.add_row({"planar-servo, as its calibration predicts it",
-                 fmt::format("{:.4f}", mm(report.prediction.mean)),
-                 fmt::format("{:.4f}", mm(report.prediction.p95)), "–"});
+  table.add_row({"planar-servo, as its calibration predicts it", text(report.prediction.mean),
+                 text(report.prediction.p95), "–"});
   return table;
 }
 
@@ -119,7 +115,7 @@ TextTable worst_table(const ExperimentReport& report) {
   std::stable_sort(worst.begin(), worst.end(), [](const TargetResult* a, const TargetResult* b) {
     return a->after_judged->norm() > b->after_judged->norm();
   });
-  worst.resize(std::min(worst.size(), kWorstTargets));
+  worst.resize(std::min<std::size_t>(worst.size(), 5));
   TextTable table("The targets with the largest errors",
                   {"target", "x, mm", "y, mm", "error, mm", "stated deviation per axis, mm"});
   for (const TargetResult* result : worst)
@@ -178,13 +174,6 @@ std::vector<QuiverPanel> error_panels(const ExperimentReport& report) {
 struct ReportPlots {
   std::vector<ReportPlot> worth, coverage;
   std::vector<ReportPlot> paper;  ///< the figures of the paper that the data allow, in its order
-
-  std::vector<ReportPlot> all() const {
-    std::vector<ReportPlot> plots = worth;
-    plots.insert(plots.end(), coverage.begin(), coverage.end());
-    plots.insert(plots.end(), paper.begin(), paper.end());
-    return plots;
-  }
 };
 
 /// Reads the steps of the loops from the runs in `out`.
@@ -271,8 +260,9 @@ fs::path write_experiment_report(const ExperimentReport& report, const std::stri
                                  const fs::path& out) {
   const ReportPlots plots = experiment_plots(report, out);
   make_folder(out / "figures");
-  for (const ReportPlot& plot : plots.all())
-    write_file(out / "figures" / plot.file, format_comment("figure") + plot_svg(plot.panels));
+  for (const auto* part : {&plots.worth, &plots.coverage, &plots.paper})
+    for (const ReportPlot& plot : *part)
+      write_file(out / "figures" / plot.file, format_comment("figure") + plot_svg(plot.panels));
   write_file(out / "errors.svg", format_comment("figure") + quiver_svg(error_panels(report)));
   write_file(out / "figures.json",
              with_format_key("figures", experiment_list(report).json().dump(2)));

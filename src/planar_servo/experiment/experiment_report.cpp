@@ -15,10 +15,6 @@ namespace {
 /// Stands for what the paper does not print and what nobody has judged.
 constexpr char kNone[] = "–";
 
-std::string mm_text(double metres) {
-  return std::isfinite(metres) ? fixed(mm(metres), 3) : kNone;
-}
-
 void list_accuracies(ReportList& list, const std::string& key, const std::string& head,
                      const std::vector<AccuracyRow>& rows) {
   list.rows(key, rows, [&head](ReportList& row, const AccuracyRow& found) {
@@ -52,7 +48,8 @@ void list_positioning(ReportList& list, const std::vector<PositioningRow>& rows)
     row.line("its gain", "{paper_chain_improvement:.1%}", found.improvement(found.paper_chain));
     row.line("ours", "{ours:.4f}", mm(found.ours));
     row.line("our gain", "{ours_improvement:.1%}", found.improvement(found.ours));
-    row.line("paper: before ~", mm_text(found.paper_before));
+    row.line("paper: before ~",
+             std::isfinite(found.paper_before) ? fixed(mm(found.paper_before), 3) : kNone);
     row.line("paper: after", "{paper:.3f}", mm(found.paper_after));
     row.line("paper: gain", "{paper_improvement:.1%}", found.paper_improvement);
   });
@@ -161,19 +158,16 @@ std::vector<ShownTable> shown_tables(const ExperimentReport& report) {
   if (!report.tables.run_correlation.empty()) shown = map_tables_of(report.tables);
   shown.push_back(
       {positioning_table_of(report),
-       "All chains move to the same targets on the same cell. \"Before\" is where the arm ends "
-       "by the cell file's lengths and zeros, without vision; the other columns are after "
-       "feedback. "
-       "A gain is the share of the error before that is gone after. Ours is aimed by the arm that "
+       "All chains move to the same targets on the same cell. \"Before\" is where the arm ends by "
+       "the cell file's lengths and zeros, without vision; the other columns are after feedback. A "
+       "gain is the share of the error before that is gone after. Ours is aimed by the arm that "
        "was found, so its first move ends close already."});
   shown.push_back(
       {chain_table(report),
        "The vision error is vision minus truth at the last look; the end point's columns are how "
-       "far "
-       "it stops from its targets. ViSP brings no error map, so compare it with the paper's chain "
-       "without its map: both take "
-       "the plane from the laid board and differ by camera model, lamp centres and law. What no "
-       "law can take off is vision's error."});
+       "far it stops from its targets. ViSP brings no error map, so compare it with the paper's "
+       "chain without its map: both take the plane from the laid board and differ by camera model, "
+       "lamp centres and law. What no law can take off is vision's error."});
   return shown;
 }
 

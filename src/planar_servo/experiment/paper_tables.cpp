@@ -10,7 +10,6 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/work/run/servo_report.h"
 

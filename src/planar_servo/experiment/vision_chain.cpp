@@ -10,7 +10,6 @@
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/offline/locate_lamps.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
@@ -42,10 +41,6 @@ CellSettings with_files_in(CellSettings cell, const fs::path& folder, const Chai
   return cell;
 }
 
-fs::path lays_file(const fs::path& folder) {
-  return folder / "lays.csv";
-}
-
 /// Returns the frames that a chain is calibrated from: without a tracker those that watch the arm
 /// alone, poses and the sweep of joint 1; without a map all but those that only judge maps.
 std::vector<FrameRow> frames_for(const ChainSettings& settings, std::vector<FrameRow> frames) {
@@ -58,14 +53,14 @@ std::vector<FrameRow> frames_for(const ChainSettings& settings, std::vector<Fram
   return frames;
 }
 
-CameraCalibration make_camera(const ChainSettings& settings, const CellSettings& cell,
-                              const RecordedCell& recorded) {
+CameraModel make_camera(const ChainSettings& settings, const CellSettings& cell,
+                        const RecordedCell& recorded) {
   CalibrationProblem problem = recorded.boards.problem;
   problem.model = settings.camera_model;
   problem.leaves_views_out = settings.camera_model != kViSPModel;  // whose XML does not hold it
-  CameraCalibration calibration = calibrate_camera(problem, recorded.boards.rejected);
+  const CameraCalibration calibration = calibrate_camera(problem, recorded.boards.rejected);
   write_camera(cell.camera_model, calibration, kProgram, recorded.boards.inputs);
-  return calibration;
+  return calibration.camera;
 }
 
 std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSettings& cell,
@@ -99,7 +94,7 @@ std::vector<PairRow> make_pairs(const ChainSettings& settings, const CellSetting
   const VisionCalibration vision{cell.lamps.layout, Workplane(camera, report.workplane.X_WC),
                                  report.workplane.tool};
   if (settings.dots_height)
-    write_lays_file(lays_file(folder), cell, files, tables,
+    write_lays_file(folder / "lays.csv", cell, files, tables,
                     seen_lays(vision.workplane, boards, *settings.dots_height));
   write_health_file(*cell.health, cell, files,
                     health_of(cell, seen_places(cell, vision, request.frames, request.lamps)),
@@ -134,7 +129,7 @@ MapResult map_by_hand(const std::vector<PairRow>& pairs) {
 /// Learns the field at the lamps and the arm, and writes both files.
 void learn_field(CalibratedChain& chain, const fs::path& folder) {
   LampFieldFiles files{folder / "pairs.csv", {}, chain.cell.error_map, folder / "arm.yaml"};
-  if (chain.settings.dots_height) files.lays = lays_file(folder);
+  if (chain.settings.dots_height) files.lays = folder / "lays.csv";
   chain.field = learn_lamp_field(files, chain.cell, read_vision(chain.cell, false));
   chain.cell.arm_found = files.arm;
   write_lamp_field(files, *chain.field, chain.cell, kProgram);
@@ -195,8 +190,8 @@ CalibratedChain calibrate_chain(const ChainSettings& settings, const CellSetting
   chain.cell.servo = settings.servo;
   // An experiment that is continued must see the lamps as the first time, without these.
   for (const MadeFile& file : calibration_files(chain.cell, true)) fs::remove(file.path);
-  chain.camera = make_camera(settings, chain.cell, recorded);
-  chain.pairs = make_pairs(settings, chain.cell, recorded, chain.camera.camera, own_folder);
+  const CameraModel camera = make_camera(settings, chain.cell, recorded);
+  chain.pairs = make_pairs(settings, chain.cell, recorded, camera, own_folder);
   if (!settings.learns_map) return chain;
   if (settings.hand_width)
     chain.map = map_by_hand(chain.pairs);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "planar_servo/calibration/board.h"
-#include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/tracker_table.h"
@@ -24,8 +23,7 @@ struct ChainSettings {
   std::string camera_model;  ///< one of calibration_model_names()
   CenterMethod center{CenterMethod::kAuto};
   bool plane_from_board{false};  ///< takes the plane from a board laid on it, else from the pairs
-  /// Learns an error map; else vision is taken as it is.
-  bool learns_map{true};
+  bool learns_map{true};         ///< an error map; else vision is taken as it is
   /// Takes a Gaussian without ridge whose width is turned by hand on the test positions.
   bool hand_width{false};
   /// Learns the error at the lamps, together with the arm, and aims with the arm that was found.
@@ -41,9 +39,8 @@ struct ChainSettings {
   bool is_guarded{true};
   /// Positions by all looks at a target; else the whole error of the last look is corrected.
   bool estimates_landings{true};
-  /// Uses pairs between which something seems to have moved.
-  bool accept_step{false};
-  bool accept_map{false};  ///< moves by an error map that its fit rejects
+  bool accept_step{false};  ///< uses pairs between which something seems to have moved
+  bool accept_map{false};   ///< moves by an error map that its fit rejects
   ServoSettings servo;
 };
 
@@ -78,7 +75,6 @@ struct CalibratedChain {
   ChainSettings settings;
   std::filesystem::path folder;
   CellSettings cell;
-  CameraCalibration camera;
   std::vector<PairRow> pairs;
   /// At the end point, as the paper's tables judge maps; none without a tracker or where none is
   /// learned.

@@ -14,14 +14,8 @@
 namespace planar {
 namespace {
 
+/// Sines of motors 1 to 3, then cosines, of one order.
 using Wave = std::array<double, 6>;
-
-/// Rows of sines of motors 1 to 3, then cosines; one row for each order.
-void list_waves(Fields& fields, const char* key, std::vector<Wave>& waves) {
-  fields.rows(key, waves, [](RowFields& row, Wave& wave) {
-    for (double& amplitude : wave) row.number(amplitude, kDegree);
-  });
-}
 
 struct NamedTerms {
   explicit NamedTerms(const FoundArm& arm)
@@ -59,18 +53,14 @@ struct NamedTerms {
 };
 
 void list_deviation(Fields& fields, PostureBasis& posture, Eigen::VectorXd& weights) {
-  using Center = std::array<double, 3>;
-  std::vector<Center> centers;
-  for (const auto& center : posture.centers.colwise())
-    centers.push_back({center.x(), center.y(), center.z()});
+  std::vector<Eigen::Vector3d> centers;
+  for (const auto& center : posture.centers.colwise()) centers.emplace_back(center);
   fields.number("width", posture.width, 1.0, Range::positive());
-  fields.rows("centers", centers, [](RowFields& row, Center& center) {
-    for (double& coordinate : center) row.number(coordinate);
-  });
+  fields.rows("centers", centers);
   if (fields.reading()) {
     posture.centers.resize(3, static_cast<Eigen::Index>(centers.size()));
     for (std::size_t i = 0; i < centers.size(); ++i)
-      posture.centers.col(static_cast<Eigen::Index>(i)) = Eigen::Vector3d(centers[i].data());
+      posture.centers.col(static_cast<Eigen::Index>(i)) = centers[i];
     weights.resize(2 * posture.terms());
   }
   fields.numbers("weights_mm", weights, kMillimetre);
@@ -80,9 +70,9 @@ void list_found_arm(Fields& fields, FoundArm& arm) {
   NamedTerms terms(arm);
   fields.numbers("link_lengths_mm", terms.links, kMillimetre, Range::positive());
   fields.numbers("zero_offsets_deg", terms.zeros, kDegree);
-  list_waves(fields, "eccentricity_deg", terms.eccentricity);
+  fields.rows("eccentricity_deg", terms.eccentricity, kDegree);
   if (fields.given("ripple_deg", !terms.ripple.empty()))
-    list_waves(fields, "ripple_deg", terms.ripple);
+    fields.rows("ripple_deg", terms.ripple, kDegree);
   if (fields.given("runout3_mm", !terms.runout.isZero(0.0)))
     fields.numbers("runout3_mm", terms.runout, kMillimetre);
   if (fields.given("deviation", arm.form.posture.terms() > 0))
@@ -147,28 +137,19 @@ std::vector<Origin> learned_arm_origins(const CellSettings& cell) {
 
 std::string learned_arm_text(const LearnedArm& learned, const std::vector<Origin>& origins,
                              const std::string& program) {
-  YamlWriter yaml(kLearnedKind, program);
-  yaml.add_inputs(input_records(origins));
-  LearnedArm written = learned;
-  list_learned_arm(yaml, written);
-  return yaml.text();
+  return record_text(kLearnedKind, learned, origins, program, list_learned_arm);
 }
 
 LearnedArm read_learned_arm(const std::filesystem::path& path) {
-  YamlReader reader(path, kLearnedKind);
-  LearnedArm learned;
-  list_learned_arm(reader, learned);
-  reader.throw_if_faulty();
-  return learned;
+  return read_record<LearnedArm>(kLearnedKind, path, list_learned_arm);
 }
 
 std::optional<std::string> learned_elsewhere(const std::filesystem::path& path,
                                              const std::vector<Origin>& origins) {
   const std::vector<Origin> made_from = read_origins(path);
   for (const Origin& present : origins) {
-    const auto same_role = [&](const Origin& origin) { return origin.role == present.role; };
-    const auto then = std::find_if(made_from.begin(), made_from.end(), same_role);
-    if (then == made_from.end())
+    const Origin* const then = find_role(made_from, present.role);
+    if (then == nullptr)
       return fmt::format("{}: does not say with which {} it was learned", path.string(),
                          present.name);
     if (then->sha256 != present.sha256)

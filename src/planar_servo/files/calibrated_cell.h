@@ -27,9 +27,8 @@ struct CalibratedCell {
   std::vector<Refusal> faults;
 };
 
-/// Reads a cell's files, each once. Throws InputError for faults of vision and of the arm that was
-/// found, for a camera file of another image size than the cell's, and for a workplane that was
-/// made before the cell had its reference lamps.
+/// Reads a cell's files, each once. Throws as read_vision() and read_found_arm() do, but for files
+/// that are missing.
 CalibratedCell read_calibrated_cell(const CellSettings& settings, bool with_error_map = true);
 
 /// Returns whether what vision sees in this cell is compensated.

@@ -2,18 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/base/io/yaml_reader.h"
-#include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/matrix_fields.h"
-#include "planar_servo/files/provenance.h"
 
 namespace planar {
 namespace {
@@ -109,7 +105,7 @@ void list_fields(Fields& fields, HealthPlace& place) {
   fields.number("sigma_mm", place.sigma_m, kMillimetre, Range::positive());
 }
 
-void list_fields(Fields& fields, const std::string& key, double& least, double& most) {
+void list_limits(Fields& fields, const std::string& key, double& least, double& most) {
   fields.row(key, [&](RowFields& row) {
     row.number(least, 1.0, Range::at_least(0.0));
     row.number(most, 1.0, Range::at_least(0.0));
@@ -118,10 +114,10 @@ void list_fields(Fields& fields, const std::string& key, double& least, double& 
 
 void list_fields(Fields& fields, LookRange& range) {
   auto& [least, most] = range;
-  list_fields(fields, "level", least.level, most.level);
-  list_fields(fields, "background", least.background, most.background);
-  list_fields(fields, "blur_px", least.blur_px, most.blur_px);
-  list_fields(fields, "axis_ratio", least.axis_ratio, most.axis_ratio);
+  list_limits(fields, "level", least.level, most.level);
+  list_limits(fields, "background", least.background, most.background);
+  list_limits(fields, "blur_px", least.blur_px, most.blur_px);
+  list_limits(fields, "axis_ratio", least.axis_ratio, most.axis_ratio);
 }
 
 void list_fields(Fields& fields, HealthRecord& record) {
@@ -134,24 +130,6 @@ void list_fields(Fields& fields, HealthRecord& record) {
   if (!fields.given("looks", record.looks.has_value())) return;
   if (fields.reading()) record.looks.emplace();
   fields.maps("looks", *record.looks, [&](LookRange& range) { list_fields(fields, range); });
-}
-
-template <typename Record>
-std::string text_of(const char* kind, Record record, const std::string& program,
-                    const std::vector<Origin>& origins) {
-  YamlWriter yaml(kind, program);
-  yaml.add_inputs(input_records(origins));
-  list_fields(yaml, record);
-  return yaml.text();
-}
-
-template <typename Record>
-Record read_record(const char* kind, const std::filesystem::path& path) {
-  YamlReader reader(path, kind);
-  Record record;
-  list_fields(reader, record);
-  reader.throw_if_faulty();
-  return record;
 }
 
 }  // namespace
@@ -206,29 +184,29 @@ LampScene read_lamp_scene(const CellSettings& cell) {
 
 std::string workplane_text(const WorkplaneRecord& record, const std::string& program,
                            const std::vector<Origin>& origins) {
-  return text_of("workplane", record, program, origins);
+  return record_text("workplane", record, origins, program, list_fields);
 }
 
 WorkplaneRecord read_workplane(const std::filesystem::path& path) {
-  return read_record<WorkplaneRecord>("workplane", path);
+  return read_record<WorkplaneRecord>("workplane", path, list_fields);
 }
 
 std::string tool_text(const ToolOffsets& tool, const std::string& program,
                       const std::vector<Origin>& origins) {
-  return text_of("tool", tool, program, origins);
+  return record_text("tool", tool, origins, program, list_fields);
 }
 
 ToolOffsets read_tool(const std::filesystem::path& path) {
-  return read_record<ToolOffsets>("tool", path);
+  return read_record<ToolOffsets>("tool", path, list_fields);
 }
 
 std::string health_text(const HealthRecord& record, const std::string& program,
                         const std::vector<Origin>& origins) {
-  return text_of("health", record, program, origins);
+  return record_text("health", record, origins, program, list_fields);
 }
 
 HealthRecord read_health(const std::filesystem::path& path) {
-  return read_record<HealthRecord>("health", path);
+  return read_record<HealthRecord>("health", path, list_fields);
 }
 
 }  // namespace planar

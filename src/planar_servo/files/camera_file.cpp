@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/yaml_reader.h"
 #include "planar_servo/base/io/yaml_writer.h"
@@ -141,26 +142,18 @@ void check_matrix(YamlReader& reader, const Stated& stated) {
 
 /// Refuses what makes a file one of another picture than that of the whole sensor.
 void check_picture(YamlReader& reader) {
-  int binning = 0;
+  const auto refuse_above = [&](int most, const char* key, const char* fault, const char* remedy) {
+    int number = 0;
+    if (reader.given(key)) reader.whole_number(key, number, 0);
+    reader.check(number <= most, {fmt::format("{} is {}: {}", key, number, fault), remedy}, key);
+  };
   for (const char* key : {"binning_x", "binning_y"})
-    if (reader.given(key)) {
-      reader.whole_number(key, binning, 0);
-      reader.check(binning <= 1,
-                   {fmt::format("{} is {}: the matrix is not of the pictures sent", key, binning),
-                    "calibrate the camera as it is used, without binning"},
-                   key);
-    }
+    refuse_above(1, key, "the matrix is not of the pictures sent",
+                 "calibrate the camera as it is used, without binning");
   if (!reader.given("roi")) return;
   reader.map("roi", [&] {
-    int offset = 0;
-    for (const char* key : {"x_offset", "y_offset"}) {
-      if (!reader.given(key)) continue;
-      reader.whole_number(key, offset, 0);
-      reader.check(offset == 0,
-                   {fmt::format("{} is {}: the file is of a region of the sensor", key, offset),
-                    "calibrate whole pictures"},
-                   key);
-    }
+    for (const char* key : {"x_offset", "y_offset"})
+      refuse_above(0, key, "the file is of a region of the sensor", "calibrate whole pictures");
     reader.allow_rest();
   });
 }
@@ -305,22 +298,9 @@ std::string opencv_text(const CameraRecord& record) {
   return text.insert(text.find(begin) + begin.size(), "# format: planar-servo/camera/1\n");
 }
 
-/// Keeps ViSP's parser from writing on standard output, where results stand.
-class QuietOutput {
- public:
-  QuietOutput() : buffer_(std::cout.rdbuf(nullptr)) {}
-  ~QuietOutput() { std::cout.rdbuf(buffer_); }
-  QuietOutput(const QuietOutput&) = delete;
-  QuietOutput& operator=(const QuietOutput&) = delete;
-
- private:
-  std::streambuf* buffer_;
-};
-
-/// Returns the name of the file's first camera, by which ViSP's parser must be asked for it.
-std::string camera_name_in(const std::filesystem::path& path) {
+/// Returns the name of a file's first camera, by which ViSP's parser must be asked for it.
+std::string camera_name_in(const std::string& text) {
   constexpr std::string_view kBegin = "<name>", kEnd = "</name>";
-  const std::string text = read_file(path);
   const std::size_t begin = text.find(kBegin);
   if (begin == std::string::npos) return "";
   const std::size_t name = begin + kBegin.size(), end = text.find('<', name);
@@ -345,12 +325,13 @@ CameraRecord read_camera_xml(const std::filesystem::path& path) {
                       "write it again to a file named .yml, which is read", path});
   if (constexpr std::string_view kCamera = "<camera>"; text.find(kCamera) != text.rfind(kCamera))
     throw InputError({"holds several cameras", "keep the one of the cell's picture size", path});
-  const std::string name = camera_name_in(path);
+  const std::string name = camera_name_in(text);
   for (const auto model : {vpCameraParameters::perspectiveProjWithDistortion,
                            vpCameraParameters::perspectiveProjWithoutDistortion}) {
     vpXmlParserCamera parser;
     vpCameraParameters found;
-    const QuietOutput quiet;
+    // The parser writes on standard output, where results stand.
+    const AtEnd restore([output = std::cout.rdbuf(nullptr)] { std::cout.rdbuf(output); });
     try {
       if (parser.parse(found, path.string(), name, model) != 0) continue;
       return record_from(parser, found);
@@ -377,10 +358,9 @@ std::string camera_xml(const CameraRecord& record, const std::string& camera_nam
       "      <v0>{}</v0>\n",
       distorted ? "perspectiveProjWithDistortion" : "perspectiveProjWithoutDistortion", k.fx, k.fy,
       k.cx, k.cy);
-  if (distorted) {
+  if (distorted)
     model +=
         fmt::format("      <kud>{}</kud>\n      <kdu>{}</kdu>\n", distorted->kud, distorted->kdu);
-  }
   return fmt::format(
       "<?xml version=\"1.0\"?>\n{}<root>\n  <camera>\n    <name>{}</name>\n"
       "    <image_width>{}</image_width>\n    <image_height>{}</image_height>\n"

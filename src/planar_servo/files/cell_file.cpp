@@ -75,9 +75,7 @@ void read_body(Fields& fields, ArmBody& body) {
     fields.numbers("link_width_mm", body.link_widths_m, kMillimetre, Range::positive());
   if (fields.given("link_height_mm", false)) {
     std::array<Eigen::Vector2d, 2> heights{};
-    fields.rows("link_height_mm", heights, [](RowFields& row, Eigen::Vector2d& limits) {
-      for (double& limit : limits) row.number(limit, kMillimetre);
-    });
+    fields.rows("link_height_mm", heights, kMillimetre);
     for (std::size_t i = 0; i < 2; ++i) {
       fields.check(heights[i].x() < heights[i].y(), {"the lower height must come first"},
                    "link_height_mm");
@@ -101,12 +99,7 @@ void read_arm(Fields& fields, ArmSettings& arm) {
 
 void read_joints(Fields& fields, TransmissionSettings& transmission) {
   fields.choices("coupling", transmission.coupling, kCouplings);
-  const bool read = fields.rows("joint_limits_deg", transmission.limits_rad,
-                                [](RowFields& row, Eigen::Vector2d& limits) {
-                                  row.number(limits.x(), kDegree);
-                                  row.number(limits.y(), kDegree);
-                                });
-  if (!read) return;
+  if (!fields.rows("joint_limits_deg", transmission.limits_rad, kDegree)) return;
   for (std::size_t i = 0; i < transmission.limits_rad.size(); ++i) {
     const Eigen::Vector2d& limits = transmission.limits_rad[i];
     fields.check(limits.x() < limits.y(),
@@ -162,9 +155,7 @@ void read_barrier(Fields& fields, Barrier& barrier) {
     fields.number("radius_mm", barrier.radius_m, kMillimetre, Range::positive());
     return;
   }
-  fields.rows("polygon_mm", barrier.corners_B, [](RowFields& row, Eigen::Vector2d& corner) {
-    for (double& coordinate : corner) row.number(coordinate, kMillimetre);
-  });
+  fields.rows("polygon_mm", barrier.corners_B, kMillimetre);
   fields.check(
       is_simple_polygon(barrier.corners_B),
       {"needs three corners or more, in the order of its edge, which must not cross itself"},

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <optional>
 #include <variant>
 
 #include "planar_servo/base/core/error.h"
@@ -165,13 +164,6 @@ void add_figures(YamlWriter& yaml, const MapResult& result) {
   add_cell(yaml, result.cell);
 }
 
-LampField read_lamp_field(YamlReader& reader) {
-  LampField field;
-  list_fields(reader, field);
-  reader.throw_if_faulty();
-  return field;
-}
-
 /// Returns what a map is made of: its parameters, or the map itself.
 IdwMap made_of(const IdwMap& map) {
   return map;
@@ -260,7 +252,7 @@ MapRecord read_map(const std::filesystem::path& path) {
     reader.throw_if_faulty();
   }
   try {
-    if (method == kLampFieldMethod) return {read_lamp_field(reader), quality, loo_rms};
+    if (method == kLampFieldMethod) return {read_parameters<LampField>(reader), quality, loo_rms};
     return {read_map(reader, value_named(kMapKinds, method).value()), quality, loo_rms};
   } catch (const WorkError& e) {
     throw InputError(e.refusal().at(path));

@@ -3,19 +3,11 @@
 #include <fmt/format.h>
 
 namespace planar {
-namespace {
-
-void list_point(RowFields& row, Eigen::Vector2d& point) {
-  row.number(point.x());
-  row.number(point.y());
-}
-
-}  // namespace
 
 bool list_points(Fields& fields, const std::string& key, Eigen::Matrix2Xd& points) {
   std::vector<Eigen::Vector2d> rows;
   for (Eigen::Index i = 0; i < points.cols(); ++i) rows.emplace_back(points.col(i));
-  if (!fields.rows(key, rows, list_point)) return false;
+  if (!fields.rows(key, rows)) return false;
   points.resize(2, static_cast<Eigen::Index>(rows.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) points.col(static_cast<Eigen::Index>(i)) = rows[i];
   return true;
@@ -57,7 +49,7 @@ MapQuality read_quality(Fields& figures) {
 }
 
 void list_region(Fields& fields, ValidRegion& region) {
-  fields.rows("hull_m", region.hull, list_point);
+  fields.rows("hull_m", region.hull);
   fields.number("hull_margin_m", region.margin, 1.0, Range::at_least(0.0));
 }
 

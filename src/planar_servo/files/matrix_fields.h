@@ -2,16 +2,40 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/base/io/fields.h"
+#include "planar_servo/base/io/yaml_reader.h"
 #include "planar_servo/base/io/yaml_writer.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/learn/error_map/error_map.h"
 #include "planar_servo/learn/error_map/error_sample.h"
 
 namespace planar {
+
+/// Returns a file's text by `program`, made from `origins`, with the fields that `list` visits.
+template <typename Record>
+std::string record_text(const char* kind, Record record, const std::vector<Origin>& origins,
+                        const std::string& program, void (*list)(Fields&, Record&)) {
+  YamlWriter yaml(kind, program);
+  yaml.add_inputs(input_records(origins));
+  list(yaml, record);
+  return yaml.text();
+}
+
+/// Reads such a file. Throws InputError naming every fault.
+template <typename Record>
+Record read_record(const char* kind, const std::filesystem::path& path,
+                   void (*list)(Fields&, Record&)) {
+  YamlReader reader(path, kind);
+  Record record;
+  list(reader, record);
+  reader.throw_if_faulty();
+  return record;
+}
 
 // Fields that several files of a calibration have: points, matrices and what judges a map.
 
@@ -52,9 +76,7 @@ void list_covariance(Fields& fields, const std::vector<std::string>& variables,
   using Row = Eigen::Matrix<double, kSize, 1>;
   std::array<Row, kSize> rows;
   for (int i = 0; i < kSize; ++i) rows[i] = covariance.row(i);
-  const bool read = fields.rows("covariance", rows, [](RowFields& row, Row& values) {
-    for (double& value : values) row.number(value);
-  });
+  const bool read = fields.rows("covariance", rows);
   if (!fields.reading() || !read) return;
   for (int i = 0; i < kSize; ++i) covariance.row(i) = rows[i];
   fields.check(

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <optional>
 
 #include "planar_servo/base/io/atomic_file.h"
@@ -22,12 +23,6 @@ constexpr char kRowsRemark[] = "# rows: ";
 constexpr char kProgram[] = "program: ", kCreated[] = "created: ", kEdited[] = "edited_by_hand: ";
 constexpr int kHeaderLines = 32;  // within which our writers begin the list of inputs
 constexpr std::size_t kShownDigits = 8;
-
-const Origin* find_role(const std::vector<Origin>& origins, Role role) {
-  const auto found = std::find_if(origins.begin(), origins.end(),
-                                  [&](const Origin& origin) { return origin.role == role; });
-  return found == origins.end() ? nullptr : &*found;
-}
 
 void add_origin(std::vector<Origin>& origins, const std::string& role, std::string name,
                 std::string sha256) {
@@ -94,6 +89,12 @@ Origin block(Role role, const CellSettings& cell, const char* key, const std::st
 }
 
 }  // namespace
+
+const Origin* find_role(const std::vector<Origin>& origins, Role role) {
+  const auto found = std::find_if(origins.begin(), origins.end(),
+                                  [&](const Origin& origin) { return origin.role == role; });
+  return found == origins.end() ? nullptr : &*found;
+}
 
 const char* program_for(Role role) {
   switch (role) {
@@ -247,20 +248,15 @@ std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,
                                       const std::vector<Origin>& present,
                                       const std::vector<Role>& compared) {
   std::vector<StaleFile> found;
-  std::vector<std::pair<Origin, std::string>> known;
-  known.reserve(present.size());
-  for (const Origin& origin : present) known.emplace_back(origin, "this one");
+  std::map<Role, std::pair<Origin, std::string>> known;
+  for (const Origin& origin : present) known.try_emplace(origin.role, origin, "this one");
   for (const MadeFile& file : files) {
+    const std::string its = "that of " + file.path.filename().string();
     for (const Origin& origin : read_origins(file.path)) {
       if (std::count(compared.begin(), compared.end(), origin.role) == 0) continue;
-      const auto same_role = std::find_if(known.begin(), known.end(), [&](const auto& entry) {
-        return entry.first.role == origin.role;
-      });
-      if (same_role == known.end())
-        known.emplace_back(origin, "that of " + file.path.filename().string());
-      else if (same_role->first.sha256 != origin.sha256)
-        found.push_back(
-            {contradiction(file, origin, same_role->second, same_role->first), file.path});
+      const auto& [first, whose] = known.try_emplace(origin.role, origin, its).first->second;
+      if (first.sha256 != origin.sha256)
+        found.push_back({contradiction(file, origin, whose, first), file.path});
     }
   }
   return found;

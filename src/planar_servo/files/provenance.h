@@ -64,6 +64,9 @@ struct Origin {
   std::string sha256;  ///< of its content; see content_sha256()
 };
 
+/// Returns the first of these origins that has this role; null where there is none.
+const Origin* find_role(const std::vector<Origin>& origins, Role role);
+
 /// Names a file that says what it was made from.
 struct MadeFile {
   Role role{Role::kCamera};

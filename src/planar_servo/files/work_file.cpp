@@ -2,12 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/columns.h"
-#include "planar_servo/base/io/yaml_reader.h"
-#include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/files/matrix_fields.h"
 
 namespace planar {
@@ -45,8 +41,8 @@ const TableSchema<Fiducial>& mark_schema() {
         list_kind(columns, mark);
         columns.number("size_mm", mark.size, kMillimetre, 6);
         std::optional<double> z = mark.z, sigma_z = mark.sigma_z;
-        columns.optional_number("z_mm", z, kMillimetre, 6, Column::kOptional);
-        columns.optional_number("sigma_z_mm", sigma_z, kMillimetre, 6, Column::kOptional);
+        columns.optional_number("z_mm", z, kMillimetre, 6);
+        columns.optional_number("sigma_z_mm", sigma_z, kMillimetre, 6);
         mark.z = z.value_or(0.0);
         mark.sigma_z = sigma_z.value_or(0.0);
         columns.check(mark.size > 0.0, {"must be positive"}, "size_mm");
@@ -96,9 +92,7 @@ void list_fields(Fields& fields, FoundWork& work) {
   fields.choice("map", pose.map, kWorkMaps);
   fields.numbers("origin_mm", pose.t, kMillimetre);
   std::array<Eigen::Vector2d, 2> rows{pose.A.row(0), pose.A.row(1)};
-  fields.rows("matrix", rows, [](RowFields& row, Eigen::Vector2d& values) {
-    for (double& value : values) row.number(value);
-  });
+  fields.rows("matrix", rows);
   for (Eigen::Index i = 0; i < 2; ++i) pose.A.row(i) = rows[static_cast<std::size_t>(i)];
   fields.check(pose.scale() > 0.1 && pose.scale() < 10.0,
                {"matrix must map lengths to between a tenth and ten times of theirs"}, "matrix");
@@ -109,10 +103,18 @@ void list_fields(Fields& fields, FoundWork& work) {
               [&](FoundFiducial& found) { list_fields(fields, found); });
 }
 
-void list_exposure(Fields& fields, std::optional<double>& exposure_s) {
-  if (!fields.given("exposure_ms", exposure_s.has_value())) return;
-  if (fields.reading()) exposure_s.emplace();
-  fields.number("exposure_ms", *exposure_s, kMillisecond, Range::positive());
+void list_fields(Fields& fields, LaidWorks& laid) {
+  if (fields.given("exposure_ms", laid.exposure_s.has_value())) {
+    if (fields.reading()) laid.exposure_s.emplace();
+    fields.number("exposure_ms", *laid.exposure_s, kMillisecond, Range::positive());
+  }
+  fields.maps("works", laid.works, [&](FoundWork& work) {
+    double turn = work.pose.turn(), scale = work.pose.scale();  // for people: the matrix says both
+    fields.number("turn_deg", turn, kDegree);
+    fields.number("scale", scale);
+    list_fields(fields, work);
+  });
+  fields.check(!laid.works.empty(), {"names no work"});
 }
 
 }  // namespace
@@ -133,30 +135,12 @@ std::vector<Fiducial> read_bar(const std::filesystem::path& path) {
 
 std::string work_text(const LaidWorks& laid, const std::vector<Origin>& origins,
                       const std::string& program) {
-  YamlWriter yaml("work", program);
-  yaml.add_inputs(input_records(origins));
-  LaidWorks written = laid;
-  list_exposure(yaml, written.exposure_s);
-  yaml.maps("works", written.works, [&](FoundWork& work) {
-    yaml.add("turn_deg", work.pose.turn() / kDegree);
-    yaml.add("scale", work.pose.scale());
-    list_fields(yaml, work);
-  });
-  return yaml.text();
+  return record_text("work", laid, origins, program, list_fields);
 }
 
 LaidWorks read_works(const fs::path& path) {
-  YamlReader reader(path, "work");
-  LaidWorks laid{path, {}, {}};
-  list_exposure(reader, laid.exposure_s);
-  reader.maps("works", laid.works, [&](FoundWork& work) {
-    double for_people = 0.0;  // the matrix says both
-    reader.number("turn_deg", for_people);
-    reader.number("scale", for_people);
-    list_fields(reader, work);
-  });
-  reader.check(!laid.works.empty(), {"names no work"});
-  reader.throw_if_faulty();
+  auto laid = read_record<LaidWorks>("work", path, list_fields);
+  laid.file = path;
   return laid;
 }
 
@@ -174,10 +158,7 @@ std::shared_ptr<const LaidWorks> read_works(const fs::path& path, const Calibrat
       {Role::kWork, path},
       origins_in(cell.settings, calibration_files(cell.settings, uses_error_map(cell))),
       accepts_stale);
-  const std::vector<Origin> origins = read_origins(path);
-  const bool had_map = std::any_of(origins.begin(), origins.end(), [](const Origin& origin) {
-    return origin.role == Role::kErrorMap;
-  });
+  const bool had_map = find_role(read_origins(path), Role::kErrorMap) != nullptr;
   if (had_map != uses_error_map(cell))
     accept_stale({StaleFile{{had_map ? "was found with the error map, which is not used now"
                                      : "was found without the error map, which is used now",

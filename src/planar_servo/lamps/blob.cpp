@@ -10,12 +10,6 @@
 
 namespace planar {
 
-namespace {
-
-constexpr int kLevels = 256;
-
-}  // namespace
-
 int LevelHistogram::median() const {
   return median(0, kLevels - 1);
 }
@@ -90,8 +84,7 @@ std::vector<Span> rows_of(const cv::Rect& box) {
 /// as it lies in the image.
 LevelHistogram surrounding_levels(const cv::Mat& image, const cv::Rect& box) {
   const int margin = 3 + std::max(box.width, box.height) / 10;
-  const cv::Rect outer(box.x - margin, box.y - margin, box.width + 2 * margin,
-                       box.height + 2 * margin);
+  const cv::Rect outer = box + cv::Size(2 * margin, 2 * margin) - cv::Point(margin, margin);
   LevelHistogram histogram;
   const auto add = [&](int u, int v) {
     if (u >= 0 && v >= 0 && u < image.cols && v < image.rows)

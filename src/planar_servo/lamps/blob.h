@@ -32,7 +32,9 @@ class LevelHistogram {
   int otsu() const;
 
  private:
-  std::array<int, 256> counts_{};
+  static constexpr int kLevels = 256;
+
+  std::array<int, kLevels> counts_{};
   int total_{0};
 };
 

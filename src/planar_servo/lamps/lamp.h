@@ -58,7 +58,6 @@ constexpr Named<LampStatus> kLampStatuses[] = {{LampStatus::kOk, "ok"},
                                                {LampStatus::kUnreadable, "unreadable"},
                                                {LampStatus::kWrongSize, "wrong_size"}};
 
-/// Returns the status's word.
 inline const char* name(LampStatus status) {
   return name_in(kLampStatuses, status);
 }
@@ -73,7 +72,6 @@ struct LampLook {
   double contrast() const { return level - background; }
 };
 
-/// The appearance of lamps 1 and 2.
 using LampLooks = std::array<LampLook, 2>;
 
 /// The centre of one lamp in pixels of the whole sensor. Unless the status is kOk, the centre is
@@ -106,8 +104,6 @@ struct PairExpectation {
   std::optional<std::array<double, 2>> diameter_over_separation;
   /// Places of lights that are known to be no lamps of the tool.
   std::vector<Eigen::Vector2d> fixed_px{};
-  /// Contrast of lamp 2 divided by that of lamp 1, where they are known to differ.
-  std::optional<double> contrast_ratio;
 };
 
 /// How the centre of a lamp is measured (see measure_lamp).

@@ -117,11 +117,6 @@ cv::Rect window_round(const Eigen::Vector2d& uv_px, double half_side_px) {
 
 namespace {
 
-struct LightCentroid {
-  Eigen::Vector2d center{0.0, 0.0};
-  Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
-};
-
 struct LightSums {
   int light{0}, first{0};  ///< light, and light times column
   int rim{0};              ///< pixels whose light is neither 0 nor full
@@ -141,11 +136,11 @@ LightSums sum_row(const std::uint8_t* row, int width, std::int16_t lowest, std::
   return sums;
 }
 
-/// Returns the centre of gravity of a blob's light. Light counts from 20 % to 80 % of the contrast,
-/// so that noise inside and outside does not move it. It is exact for an evenly bright disc on a
-/// dark ground and biased by all other light. The covariance is that of the noise of the rim's
-/// pixels. Empty without light.
-std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& blob) {
+/// Measures the centre of gravity of a blob's light. Light counts from 20 % to 80 % of the
+/// contrast, so that noise inside and outside does not move it. It is exact for an evenly bright
+/// disc on a dark ground and biased by all other light. The covariance is that of the noise of the
+/// rim's pixels.
+LampCenter by_light(const cv::Mat& image, const Blob& blob, LampCenter lamp) {
   constexpr double kLowest = 0.2, kHighest = 0.8;
   constexpr int kMargin_px = 2;
   const auto level = [&](double share) {
@@ -153,7 +148,7 @@ std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& bl
   };
   const std::int16_t lowest = level(kLowest);
   const auto full = static_cast<std::int16_t>(level(kHighest) - lowest);
-  if (full <= 0) return std::nullopt;
+  if (full <= 0) return lamp;
   const cv::Rect box =
       (blob.box_px + cv::Size(2 * kMargin_px, 2 * kMargin_px) - cv::Point(kMargin_px, kMargin_px)) &
       cv::Rect({0, 0}, image.size());
@@ -166,26 +161,19 @@ std::optional<LightCentroid> light_centroid(const cv::Mat& image, const Blob& bl
     first += Eigen::Vector2d(row.first, v * row.light);
     rim += row.rim;
   }
-  if (light <= 0.0) return std::nullopt;
-  const Eigen::Vector2d center = first / light;
+  if (light <= 0.0) return lamp;
   const PixelNoise noise = estimate_noise(image, outline_of(blob));
   const double variance = noise.variance(0.5 * (blob.level + blob.background));
   // An ellipse's rim has twice the second moments of its area.
   const Eigen::Vector2d lever = 2.0 * rim * blob.second_moments_px2.diagonal();
-  LightCentroid centroid;
-  centroid.center = center + Eigen::Vector2d(box.x, box.y);
-  centroid.covariance = (variance / (light * light) * lever).asDiagonal();
-  return centroid;
+  lamp.status = LampStatus::kOk;
+  lamp.uv_px = first / light + Eigen::Vector2d(box.x, box.y);
+  lamp.covariance_px2 = (variance / (light * light) * lever).asDiagonal();
+  return lamp;
 }
 
 constexpr double kMostSaturated = 0.5;  // share of the lamp's pixels
 constexpr double kLargestGap = 100.0 * kDegree;
-constexpr double kCannySpacing_px = 1.11;  // mean length of a step to a neighbour in 8 directions
-
-/// Returns how far apart along the rim, in edges, two windows still share pixels.
-int reach(const GreyMoments& moments) {
-  return static_cast<int>(std::lround(2.0 * moments.radius_px() / kCannySpacing_px));
-}
 
 /// vpDot2's edges are whole pixels: uniform over one pixel, one per pixel of the rim.
 LampCenter at_dot(const VpDot& dot, LampCenter lamp) {
@@ -200,9 +188,10 @@ LampCenter by_vp_dot(const cv::Mat& image, const Blob& blob, const LampCenter& l
   return dot ? at_dot(*dot, lamp) : lamp;
 }
 
-LampCenter by_kasa(const std::vector<Eigen::Vector2d>& edges, const GreyMoments& moments,
-                   LampCenter lamp) {
+LampCenter by_kasa(const cv::Mat& image, const Blob& blob, LampCenter lamp) {
   constexpr double kParameters = 3.0;
+  constexpr double kSpacing_px = 1.11;  // mean length of a step to a neighbour in 8 directions
+  const std::vector<Eigen::Vector2d> edges = canny_edges(image, blob);
   const std::optional<Circle> circle = kasa_circle(edges);
   if (!circle) return lamp;
   double sum = 0.0;
@@ -212,7 +201,9 @@ LampCenter by_kasa(const std::vector<Eigen::Vector2d>& edges, const GreyMoments&
     residuals.push_back({std::atan2(d.y(), d.x()), d.norm() - circle->radius});
     sum += residuals.back().distance * residuals.back().distance;
   }
-  const double shared = edges_per_independent(residuals, reach(moments));
+  // So far apart along the rim, in edges, two windows still share pixels.
+  const auto reach = std::lround(2.0 * moments_for(blob).radius_px() / kSpacing_px);
+  const double shared = edges_per_independent(residuals, static_cast<int>(reach));
   const double independent = static_cast<double>(edges.size()) / shared;
   if (independent <= kParameters) return lamp;
   const double variance = sum / shared / (independent - kParameters);
@@ -220,15 +211,6 @@ LampCenter by_kasa(const std::vector<Eigen::Vector2d>& edges, const GreyMoments&
   lamp.uv_px = circle->center;
   lamp.covariance_px2 = 2.0 * variance / independent * Eigen::Matrix2d::Identity();
   lamp.diameter_px = 2.0 * circle->radius;
-  return lamp;
-}
-
-LampCenter by_light(const cv::Mat& image, const Blob& blob, LampCenter lamp) {
-  const std::optional<LightCentroid> light = light_centroid(image, blob);
-  if (!light) return lamp;
-  lamp.status = LampStatus::kOk;
-  lamp.uv_px = light->center;
-  lamp.covariance_px2 = light->covariance;
   return lamp;
 }
 
@@ -286,7 +268,7 @@ LampCenter measure_lamp(const cv::Mat& image, const Blob& blob, CenterMethod met
     lamp.status = LampStatus::kSaturated;
     return lamp;
   }
-  return by_kasa(canny_edges(image, blob), moments_for(blob), lamp);
+  return by_kasa(image, blob, lamp);
 }
 
 LampCenter lamp_at_dot(const cv::Mat& image, const VpDot& dot) {

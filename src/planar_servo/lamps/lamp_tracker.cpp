@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "planar_servo/lamps/lamp_center.h"
-
 namespace planar {
 namespace {
 
@@ -14,8 +12,8 @@ namespace {
 constexpr double kLeastCosine = 0.2;
 // Glow may make a lamp seem larger, and tilt the distance shorter.
 constexpr double kSizeFactor = 1.6;
-// Lamps whose sizes or contrasts differ by less are not told apart by them.
-constexpr double kTellingDiameters = 1.1, kTellingContrasts = 1.25;
+// Lamps whose sizes differ by less are not told apart by them.
+constexpr double kTellingDiameters = 1.1;
 
 bool has_right_distance(const Blob& a, const Blob& b, const PairExpectation& expectation) {
   if (!expectation.separation_px) return true;
@@ -37,26 +35,15 @@ bool is_possible(const Blob& a, const Blob& b, const PairExpectation& expectatio
   return has_size(a, first * distance, kSizeFactor) && has_size(b, second * distance, kSizeFactor);
 }
 
-/// Returns what a ratio of lamp 2 to lamp 1 says of this order: 1 for it, -1 against it, 0 nothing.
-int vote(double seen, double expected, double least_telling) {
-  const double seen_log = std::log(seen), expected_log = std::log(expected);
-  if (std::abs(expected_log) < std::log(least_telling)) return 0;
-  const double along = seen_log / expected_log;
+/// Returns what the sizes say of this order: 1 for it, -1 against it, 0 nothing.
+int vote_of_sizes(const Blob& a, const Blob& b, const PairExpectation& expectation) {
+  if (!expectation.diameter_over_separation) return 0;
+  const auto [first, second] = *expectation.diameter_over_separation;
+  const double expected_log = std::log(second / first);
+  if (std::abs(expected_log) < std::log(kTellingDiameters)) return 0;
+  const double along = std::log(b.diameter_px() / a.diameter_px()) / expected_log;
   if (std::abs(along) < 0.5) return 0;
   return along > 0.0 ? 1 : -1;
-}
-
-/// Returns the vote of sizes and contrasts; 0 where these contradict each other.
-int vote_of_looks(const Blob& a, const Blob& b, const PairExpectation& expectation) {
-  int sizes = 0, contrasts = 0;
-  if (expectation.diameter_over_separation) {
-    const auto [first, second] = *expectation.diameter_over_separation;
-    sizes = vote(b.diameter_px() / a.diameter_px(), second / first, kTellingDiameters);
-  }
-  if (expectation.contrast_ratio)
-    contrasts = vote(b.contrast() / a.contrast(), *expectation.contrast_ratio, kTellingContrasts);
-  if (sizes * contrasts < 0) return 0;
-  return sizes != 0 ? sizes : contrasts;
 }
 
 int vote_of_prediction(const Blob& a, const Blob& b, const PairExpectation& expectation) {
@@ -105,10 +92,10 @@ PairChoice choose_pair(const std::vector<Blob>& candidates, const PairExpectatio
   if (!choice.is_unique) return choice;
   const Blob &a = candidates[choice.index[0]], &b = candidates[choice.index[1]];
   const int predicted = vote_of_prediction(a, b, expectation);
-  const int looks = vote_of_looks(a, b, expectation);
-  if (predicted * looks < 0 || predicted + looks == 0) return choice;
+  const int sizes = vote_of_sizes(a, b, expectation);
+  if (predicted * sizes < 0 || predicted + sizes == 0) return choice;
   choice.status = LampStatus::kOk;
-  if (predicted + looks < 0) std::swap(choice.index[0], choice.index[1]);
+  if (predicted + sizes < 0) std::swap(choice.index[0], choice.index[1]);
   return choice;
 }
 

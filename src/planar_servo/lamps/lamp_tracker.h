@@ -51,7 +51,6 @@ class LampTracker {
  private:
   void search_windows(const cv::Mat& image, const PairExpectation& expectation);
   void search_image(const cv::Mat& image, const PairExpectation& expectation);
-  /// Drops the candidates that are fixed lights.
   void drop_fixed(const std::vector<Eigen::Vector2d>& fixed_px);
   /// measure(lamp, candidate) gives the centre of lamp 0 or 1.
   template <typename Measure>

@@ -83,7 +83,6 @@ std::optional<Eigen::Vector2d> GreyMoments::edge(const cv::Mat& image, const cv:
   }
   const double variance = m2 - m1 * m1;
   if (saturated > kMostClipped || variance <= 0.0 || slope.isZero()) return std::nullopt;
-
   const double sigma = std::sqrt(variance);
   const double skew = (m3 + 2.0 * m1 * m1 * m1 - 3.0 * m1 * m2) / (variance * sigma);
   const double p1 = 0.5 * (1.0 + skew / std::sqrt(4.0 + skew * skew));  // share of the dark level
@@ -107,8 +106,8 @@ int least_margin_px(const GreyMoments& moments) {
 std::vector<Eigen::Vector2d> canny_edges(const cv::Mat& image, const Blob& blob) {
   const GreyMoments& moments = moments_for(blob);
   const int margin = least_margin_px(moments);
-  const cv::Rect window(blob.box_px.x - margin, blob.box_px.y - margin,
-                        blob.box_px.width + 2 * margin, blob.box_px.height + 2 * margin);
+  const cv::Rect window =
+      blob.box_px + cv::Size(2 * margin, 2 * margin) - cv::Point(margin, margin);
   cv::Mat canny;
   cv::Canny(image(window), canny, kCannyLow * blob.contrast(), kCannyHigh * blob.contrast(), 3,
             true);
@@ -133,7 +132,6 @@ std::optional<Circle> kasa_circle(const std::vector<Eigen::Vector2d>& points) {
   const double n = static_cast<double>(points.size());
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : points) mean += p / n;
-
   // Relative to the mean, the sums of x and y vanish, which leaves two equations for a and b.
   Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
   Eigen::Vector2d third = Eigen::Vector2d::Zero();
@@ -145,7 +143,6 @@ std::optional<Circle> kasa_circle(const std::vector<Eigen::Vector2d>& points) {
   constexpr double kLeastDeterminant = 1e-9;  // the points' width divided by their length, squared
   const double determinant = moments.determinant();
   if (!(determinant > kLeastDeterminant * moments.trace() * moments.trace())) return std::nullopt;
-
   const Eigen::Vector2d center = 0.5 * moments.inverse() * third;
   return Circle{mean + center, std::sqrt(moments.trace() / n + center.squaredNorm())};
 }

@@ -173,7 +173,7 @@ class VirtualDriveKind final : public DriveKind {
         Transmission(cell.transmission).motors_from_joints(cell.arm.home);
     MotorDrive& motor = cell.transmission.drives[joint];
     motor.home = HomeReference::kReverseSwitch;
-    motor.home_rad = motors[static_cast<Eigen::Index>(joint)];
+    motor.home_rad = motors[joint];
   }
   std::vector<Finding> examine(const CellSettings& cell) const override {
     std::vector<Finding> findings;
@@ -291,7 +291,7 @@ VirtualHardware virtual_hardware(const CellSettings& cell) {
   for (std::size_t i = 0; i < 2; ++i)
     hardware.relative[i] = cell.transmission.coupling[i] == Coupling::kRelative;
   for (int i = 0; i < 3; ++i) {
-    const MotorDrive& drive = cell.transmission.drives[static_cast<std::size_t>(i)];
+    const MotorDrive& drive = cell.transmission.drives[i];
     hardware.pulses_per_motor_turn[i] = drive.pulses_per_motor_turn;
     hardware.gear_ratios[i] = drive.gear_ratio;
     hardware.directions[i] = drive.direction;

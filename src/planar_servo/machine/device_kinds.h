@@ -17,8 +17,7 @@ namespace planar {
 class CellDevices {
  public:
   virtual ~CellDevices() = default;
-  /// These are the devices. They live as long as this object. A virtual cell has a clock of its
-  /// own.
+  /// The devices live as long as this object. A virtual cell has a clock of its own.
   virtual Clock& clock() = 0;
   virtual FrameSource& camera() = 0;
   virtual DriveGroup& drives() = 0;

@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string>
 
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
@@ -53,27 +51,19 @@ std::vector<Finding> question_limits(const std::array<Eigen::Vector2d, 3>& limit
   return findings;
 }
 
-/// Returns whether numbers written as degrees are angles of whole five degrees written in radians.
-bool look_like_radians(const std::vector<double>& angles_rad) {
+/// Questions degrees that are angles of whole five degrees written in radians.
+std::vector<Finding> question_angles(const std::string& key, std::vector<double> angles) {
   constexpr double kStep = 5.0 * kDegree, kRounding = 1e-3;
-  bool any = false;
-  for (const double angle_rad : angles_rad) {
-    const double number = angle_rad / kDegree;
-    any = any || number != 0.0;
-    if (std::abs(number) > kTwoTurns || std::abs(std::remainder(number, kStep)) > kRounding)
-      return false;
-  }
-  return any;
-}
-
-std::vector<Finding> question_angles(const std::string& key,
-                                     const std::vector<double>& angles_rad) {
-  if (!look_like_radians(angles_rad)) return {};
-  std::vector<double> numbers;
-  numbers.reserve(angles_rad.size());
-  for (const double angle_rad : angles_rad) numbers.push_back(angle_rad / kDegree);
+  for (double& angle : angles) angle /= kDegree;
+  const auto is_zero = [](double number) { return number == 0.0; };
+  const auto is_other = [](double number) {
+    return std::abs(number) > kTwoTurns || std::abs(std::remainder(number, kStep)) > kRounding;
+  };
+  if (std::all_of(angles.begin(), angles.end(), is_zero) ||
+      std::any_of(angles.begin(), angles.end(), is_other))
+    return {};
   return {question(key,
-                   fmt::format("is {:g}; radians would be such numbers", fmt::join(numbers, ", ")),
+                   fmt::format("is {:g}; radians would be such numbers", fmt::join(angles, ", ")),
                    "write degrees, such as 90 for 1.571 radians")};
 }
 
@@ -106,14 +96,6 @@ std::vector<Finding> question_unusual(const std::vector<UsualValue>& values) {
   return findings;
 }
 
-std::vector<Finding> question_pitch(const std::optional<double>& pitch_m) {
-  if (!pitch_m) return {};
-  return question_unusual(
-      {{"camera.pixel_pitch_um", *pitch_m / kMicrometre, 0.5, 20.0,
-        "pixels are usually {:g} to {:g} um wide",
-        "take it from the sensor's data sheet, in micrometres, or leave it out"}});
-}
-
 UsualValue usual_diameter(const std::string& key, double diameter_m) {
   return {key,
           mm(diameter_m),
@@ -134,15 +116,6 @@ std::vector<Finding> question_diameters(const CellSettings& cell) {
   return question_unusual(values);
 }
 
-std::vector<Finding> question_servo(const ServoSettings& servo) {
-  return question_unusual(
-      {{"servo.tolerance_mm", mm(servo.tolerance_m), 1e-3, 0.5,
-        "arms are usually positioned within {:g} to {:g} mm",
-        "write millimetres, such as 0.005 for 5 micrometres"},
-       {"servo.max_step_mm", mm(servo.max_step_m), 0.05, 500.0,
-        "corrections are usually {:g} to {:g} mm long at most", "write millimetres, such as 5"}});
-}
-
 /// A tracker without scatter is left alone: some figures are made with one.
 std::vector<Finding> question_tracker(const TrackerSettings& tracker) {
   const char* const remedy = "write millimetres, such as 0.01 for 10 micrometres";
@@ -159,19 +132,32 @@ std::vector<Finding> question_tracker(const TrackerSettings& tracker) {
   return question_unusual(values);
 }
 
-std::vector<Finding> question_speeds(const std::array<MotorDrive, 3>& drives) {
+std::vector<Finding> question_speeds_servo_and_pitch(const CellSettings& cell) {
   std::vector<UsualValue> values;
   for (std::size_t i = 0; i < 3; ++i)
     values.push_back({fmt::format("drives[{}].max_speed_deg_s", i),
-                      drives[i].max_speed_rad_s / kDegree, 0.5, 1000.0,
+                      cell.transmission.drives[i].max_speed_rad_s / kDegree, 0.5, 1000.0,
                       "joints usually turn at {:g} to {:g} degrees a second",
                       "write the speed of the joint behind its gear, in degrees a second"});
+  values.push_back({"servo.tolerance_mm", mm(cell.servo.tolerance_m), 1e-3, 0.5,
+                    "arms are usually positioned within {:g} to {:g} mm",
+                    "write millimetres, such as 0.005 for 5 micrometres"});
+  values.push_back({"servo.max_step_mm", mm(cell.servo.max_step_m), 0.05, 500.0,
+                    "corrections are usually {:g} to {:g} mm long at most",
+                    "write millimetres, such as 5"});
+  if (cell.camera.pixel_pitch_m)
+    values.push_back({"camera.pixel_pitch_um", *cell.camera.pixel_pitch_m / kMicrometre, 0.5, 20.0,
+                      "pixels are usually {:g} to {:g} um wide",
+                      "take it from the sensor's data sheet, in micrometres, or leave it out"});
   return question_unusual(values);
 }
 
 /// Questions places that are as near to the base's axis as metres would make them, or far off.
-std::vector<Finding> question_places(const std::string& key, double farthest_m, double arm_m) {
+std::vector<Finding> question_places(const std::string& key, const std::vector<double>& distances_m,
+                                     double arm_m) {
   constexpr double kMostShare = 1000.0;
+  if (distances_m.empty()) return {};
+  const double farthest_m = *std::max_element(distances_m.begin(), distances_m.end());
   if (farthest_m >= kLeastShare * arm_m && farthest_m <= kMostShare * arm_m) return {};
   return {question(key,
                    fmt::format("no place is farther than {:g} mm from the base's axis; the arm is "
@@ -181,22 +167,17 @@ std::vector<Finding> question_places(const std::string& key, double farthest_m, 
 }
 
 std::vector<Finding> question_datum(const std::vector<Monument>& datum, double arm_m) {
-  double farthest_m = 0.0;
-  for (const Monument& monument : datum)
-    farthest_m = std::max(farthest_m, monument.p_B.head<2>().norm());
-  return datum.empty() ? std::vector<Finding>() : question_places("datum", farthest_m, arm_m);
+  std::vector<double> distances_m;
+  for (const Monument& monument : datum) distances_m.push_back(monument.p_B.head<2>().norm());
+  return question_places("datum", distances_m, arm_m);
 }
 
 std::vector<Finding> question_reference_lamps(const std::vector<ReferenceLampLayout>& lamps,
                                               double arm_m) {
-  double farthest_m = 0.0;
-  bool any = false;
-  for (const ReferenceLampLayout& lamp : lamps) {
-    if (!lamp.p_B) continue;
-    any = true;
-    farthest_m = std::max(farthest_m, lamp.p_B->norm());
-  }
-  return any ? question_places("reference_lamps", farthest_m, arm_m) : std::vector<Finding>();
+  std::vector<double> distances_m;
+  for (const ReferenceLampLayout& lamp : lamps)
+    if (lamp.p_B) distances_m.push_back(lamp.p_B->norm());
+  return question_places("reference_lamps", distances_m, arm_m);
 }
 
 /// Says why a disc keeps the end point out of nothing that it could reach; empty when it may do so.
@@ -251,8 +232,7 @@ std::vector<Finding> question_values(const CellSettings& cell) {
        {question_links(links_m), question_limits(cell.transmission.limits_rad), question_home(cell),
         question_angles("arm.home_deg", {home[0], home[1], home[2]}),
         question_angles("tool_orientation_deg", {cell.tool_orientation}),
-        question_speeds(cell.transmission.drives), question_servo(cell.servo),
-        question_pitch(cell.camera.pixel_pitch_m),
+        question_speeds_servo_and_pitch(cell),
         question_length("lamps.separation_mm", cell.lamps.layout.separation_m, links_m.minCoeff(),
                         "the shorter link", "measure between the lamps' centres, in millimetres"),
         question_diameters(cell),

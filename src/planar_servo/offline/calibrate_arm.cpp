@@ -10,11 +10,9 @@
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/geometry/arm/transmission.h"
-#include "planar_servo/learn/field/arm/arm_fit.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {
@@ -56,12 +54,6 @@ Panel motor_panel(const ArmFit& fit, int motor, const Axis& miss_axis) {
   return component_panel(fmt::format("Over the angle of motor {}", motor + 1),
                          axis_over(fmt::format("motor {}, deg", motor + 1), angles), miss_axis,
                          angles, misses_mm(fit));
-}
-
-std::string motor_plot(const ArmFit& fit) {
-  const Axis axis = axis_over("read minus predicted, mm", components_of(misses_mm(fit)));
-  return plot_html(
-      {motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)});
 }
 
 std::string place_plot(const ArmFit& fit) {
@@ -166,8 +158,7 @@ Verdict arm_verdict(const ArmFit& fit) {
          "look at the readings that are named under 'Left out', and read these places again"});
   verdict.good = fmt::format(
       "{} readings are met to {:.4f} mm rms and places left out to {:.4f} mm, where the tracker's "
-      "deviation is {:.4f} mm per axis; links and the zeros of motors 1 and 2 are "
-      "determined",
+      "deviation is {:.4f} mm per axis; links and the zeros of motors 1 and 2 are determined",
       fit.held_out.size(), mm(fit.rms), mm(fit.held_out_rms), mm(fit.stated_sigma));
   return verdict;
 }
@@ -182,7 +173,9 @@ std::string arm_page(const ArmFit& fit, const std::filesystem::path& file) {
       "in all directions are noise; neighbours that point the same way show what the model of the "
       "arm lacks.");
   page.add_heading("Over the motors' angles");
-  page.add_html(motor_plot(fit));
+  const Axis axis = axis_over("read minus predicted, mm", components_of(misses_mm(fit)));
+  page.add_html(
+      plot_html({motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)}));
   page.add_paragraph(
       "A wave over the angle of a motor is an eccentricity of its reducer that the model lacks.");
   page.add_heading("In numbers");

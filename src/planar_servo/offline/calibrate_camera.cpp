@@ -13,22 +13,6 @@
 #include "planar_servo/files/tables/recording_tables.h"
 
 namespace planar {
-
-cv::Mat read_grey(const PictureSet& set, const std::filesystem::path& file, Faults& faults) {
-  cv::Mat image = set.read(file);
-  if (image.empty())
-    faults.add(
-        {"cannot be read to its end as an image", "a picture such as PNG or PGM is needed", file});
-  return image;
-}
-
-BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px,
-                                const Board& board, BoardPart part) {
-  BoardSight sight = find_board(image, board, part);
-  for (Eigen::Vector2d& pixel : sight.pixels) pixel += Eigen::Vector2d(corner_px.x, corner_px.y);
-  return sight;
-}
-
 namespace {
 
 struct Picture {
@@ -48,10 +32,9 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
       continue;
     }
     const std::size_t before = pictures.size();
-    for (const FrameRow& frame : read_frames(path)) {
+    for (const FrameRow& frame : read_frames(path))
       if (frame.plan == Purpose::kHeldBoard)
         pictures.push_back({path / frame.image, frame.region_px.tl()});
-    }
     if (pictures.size() == before)
       throw InputError({"has no frame of plan 'grid' in its frames.csv", "", path});
   }
@@ -87,8 +70,7 @@ void add_picture(const Picture& picture, const cv::Mat& image, const Board& boar
 
 /// Returns the size of an image that has the bounding box of the points in its middle.
 cv::Size size_around(const std::vector<Eigen::Vector2d>& pixels) {
-  Eigen::Vector2d from = pixels.front();
-  Eigen::Vector2d to = pixels.front();
+  Eigen::Vector2d from = pixels.front(), to = from;
   for (const Eigen::Vector2d& pixel : pixels) {
     from = from.cwiseMin(pixel);
     to = to.cwiseMax(pixel);
@@ -96,32 +78,6 @@ cv::Size size_around(const std::vector<Eigen::Vector2d>& pixels) {
   const Eigen::Vector2d size = from + to;
   return {static_cast<int>(std::ceil(size.x())) + 1, static_cast<int>(std::ceil(size.y())) + 1};
 }
-
-}  // namespace
-
-BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board) {
-  const std::vector<Picture> pictures = pictures_of(images);
-  std::vector<std::filesystem::path> files;
-  files.reserve(pictures.size());
-  for (const Picture& picture : pictures) files.push_back(picture.path);
-  const PictureSet set(files);
-  ProgressBar progress("boards");
-  BoardViews views;
-  Faults faults;
-  for (const Picture& picture : pictures) {
-    const cv::Mat image = read_grey(set, picture.path, faults);
-    if (image.empty()) continue;
-    views.inputs.push_back(picture.path);
-    add_picture(picture, image, board, views);
-    progress.show(views.inputs.size(), pictures.size());
-  }
-  faults.throw_if_any();
-  for (const auto& path : images)
-    if (std::filesystem::is_directory(path)) views.inputs.push_back(path / "frames.csv");
-  return views;
-}
-
-namespace {
 
 /// Throws InputError for the points of a view that are not the picture of a grid, row by row.
 void require_row_by_row(const Board& board, const std::vector<Eigen::Vector2d>& pixels,
@@ -145,6 +101,43 @@ void require_row_by_row(const Board& board, const std::vector<Eigen::Vector2d>& 
 }
 
 }  // namespace
+
+cv::Mat read_grey(const PictureSet& set, const std::filesystem::path& file, Faults& faults) {
+  cv::Mat image = set.read(file);
+  if (image.empty())
+    faults.add(
+        {"cannot be read to its end as an image", "a picture such as PNG or PGM is needed", file});
+  return image;
+}
+
+BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px,
+                                const Board& board, BoardPart part) {
+  BoardSight sight = find_board(image, board, part);
+  for (Eigen::Vector2d& pixel : sight.pixels) pixel += Eigen::Vector2d(corner_px.x, corner_px.y);
+  return sight;
+}
+
+BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board) {
+  const std::vector<Picture> pictures = pictures_of(images);
+  std::vector<std::filesystem::path> files;
+  files.reserve(pictures.size());
+  for (const Picture& picture : pictures) files.push_back(picture.path);
+  const PictureSet set(files);
+  ProgressBar progress("boards");
+  BoardViews views;
+  Faults faults;
+  for (const Picture& picture : pictures) {
+    const cv::Mat image = read_grey(set, picture.path, faults);
+    if (image.empty()) continue;
+    views.inputs.push_back(picture.path);
+    add_picture(picture, image, board, views);
+    progress.show(views.inputs.size(), pictures.size());
+  }
+  faults.throw_if_any();
+  for (const auto& path : images)
+    if (std::filesystem::is_directory(path)) views.inputs.push_back(path / "frames.csv");
+  return views;
+}
 
 BoardViews board_views_from_points(const std::filesystem::path& points, const Board& board,
                                    cv::Size size_px) {

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <opencv2/core/types.hpp>
 #include <vector>
 
 #include "planar_servo/base/core/error.h"

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -17,7 +16,6 @@
 #include "planar_servo/report/plot.h"
 
 namespace planar {
-
 namespace {
 
 constexpr int kCellsAlongLongerSide = 20;
@@ -32,58 +30,55 @@ using ViewResiduals = std::vector<std::vector<Eigen::Vector2d>>;
 
 /// The cells of the image, and in which one each point of each view lies.
 struct CellGrid {
-  explicit CellGrid(const CameraCalibration& found);
+  explicit CellGrid(const CameraCalibration& found)
+      : size_px(static_cast<double>(std::max(found.width_px, found.height_px)) /
+                kCellsAlongLongerSide) {
+    const auto count = [&](int pixels) {
+      return static_cast<Eigen::Index>(std::ceil(pixels / size_px - 1e-9));
+    };
+    rows = count(found.height_px);
+    columns = count(found.width_px);
+    const auto index = [&](double px, Eigen::Index number) {
+      return std::clamp<Eigen::Index>(static_cast<Eigen::Index>((px + 0.5) / size_px), 0,
+                                      number - 1);
+    };
+    for (const CalibratedView& view : found.views) {
+      std::vector<Eigen::Index>& of_view = cells.emplace_back();
+      for (const Eigen::Vector2d& uv : view.pixels)
+        of_view.push_back(index(uv.x(), columns) * rows + index(uv.y(), rows));
+    }
+  }
 
   /// Returns the mean square, over the points, of what the residuals of a cell have in common. Of
   /// the square of a mean of n, the n-th part of the variance is chance.
-  double common_square(const ViewResiduals& residuals_px) const;
+  double common_square(const ViewResiduals& residuals_px) const {
+    struct Sums {
+      double n{0.0}, squares{0.0};
+      Eigen::Vector2d sum{0.0, 0.0};
+    };
+    std::vector<Sums> sums(static_cast<std::size_t>(rows * columns));
+    for (std::size_t view = 0; view < cells.size(); ++view)
+      for (std::size_t i = 0; i < cells[view].size(); ++i) {
+        Sums& cell = sums[static_cast<std::size_t>(cells[view][i])];
+        cell.n += 1.0;
+        cell.sum += residuals_px[view][i];
+        cell.squares += residuals_px[view][i].squaredNorm();
+      }
+    double common = 0.0, points = 0.0;
+    for (const Sums& cell : sums) {
+      if (cell.n < 2.0) continue;
+      const double of_mean = cell.sum.squaredNorm() / (cell.n * cell.n);
+      const double variance = (cell.squares - cell.n * of_mean) / (cell.n - 1.0);
+      common += cell.n * (of_mean - variance / cell.n);
+      points += cell.n;
+    }
+    return points > 0.0 ? std::max(0.0, common / points) : 0.0;
+  }
 
   double size_px;
   Eigen::Index rows, columns;
   std::vector<std::vector<Eigen::Index>> cells;
 };
-
-CellGrid::CellGrid(const CameraCalibration& found)
-    : size_px(static_cast<double>(std::max(found.width_px, found.height_px)) /
-              kCellsAlongLongerSide) {
-  const auto count = [&](int pixels) {
-    return static_cast<Eigen::Index>(std::ceil(pixels / size_px - 1e-9));
-  };
-  rows = count(found.height_px);
-  columns = count(found.width_px);
-  const auto index = [&](double px, Eigen::Index number) {
-    return std::clamp<Eigen::Index>(static_cast<Eigen::Index>((px + 0.5) / size_px), 0, number - 1);
-  };
-  for (const CalibratedView& view : found.views) {
-    std::vector<Eigen::Index>& of_view = cells.emplace_back();
-    for (const Eigen::Vector2d& uv : view.pixels)
-      of_view.push_back(index(uv.x(), columns) * rows + index(uv.y(), rows));
-  }
-}
-
-double CellGrid::common_square(const ViewResiduals& residuals_px) const {
-  struct Sums {
-    double n{0.0}, squares{0.0};
-    Eigen::Vector2d sum{0.0, 0.0};
-  };
-  std::vector<Sums> sums(static_cast<std::size_t>(rows * columns));
-  for (std::size_t view = 0; view < cells.size(); ++view)
-    for (std::size_t i = 0; i < cells[view].size(); ++i) {
-      Sums& cell = sums[static_cast<std::size_t>(cells[view][i])];
-      cell.n += 1.0;
-      cell.sum += residuals_px[view][i];
-      cell.squares += residuals_px[view][i].squaredNorm();
-    }
-  double common = 0.0, points = 0.0;
-  for (const Sums& cell : sums) {
-    if (cell.n < 2.0) continue;
-    const double of_mean = cell.sum.squaredNorm() / (cell.n * cell.n);
-    const double variance = (cell.squares - cell.n * of_mean) / (cell.n - 1.0);
-    common += cell.n * (of_mean - variance / cell.n);
-    points += cell.n;
-  }
-  return points > 0.0 ? std::max(0.0, common / points) : 0.0;
-}
 
 /// Returns the mean square that residuals have in common after shuffles within their views, which
 /// kChance of the shuffles do not exceed.
@@ -109,58 +104,6 @@ std::array<double, 4> corner_gaps_px(const CameraCalibration& found) {
   return gaps;
 }
 
-}  // namespace
-
-ImageCoverage coverage_of(const CameraCalibration& found) {
-  const CellGrid grid(found);
-  ViewResiduals residuals_px;
-  for (const CalibratedView& view : found.views) residuals_px.push_back(view.residuals_px);
-  const double common = grid.common_square(residuals_px);
-  ImageCoverage coverage;
-  coverage.cell_px = grid.size_px;
-  coverage.points = Eigen::MatrixXi::Zero(grid.rows, grid.columns);
-  for (const auto& view : grid.cells)
-    for (const Eigen::Index cell : view) ++coverage.points(cell);
-  coverage.common_px = std::sqrt(common);
-  coverage.corner_gaps_px = corner_gaps_px(found);
-  if (const double square = found.rms_px * found.rms_px; square > 0.0) {
-    coverage.systematic = std::min(1.0, common / square);
-    coverage.by_chance = common_square_by_chance(grid, residuals_px) / square;
-  }
-  return coverage;
-}
-
-bool ImageCoverage::is_systematic() const {
-  return systematic > kMostly && systematic > by_chance;
-}
-
-double ImageCoverage::points_at(const Eigen::Vector2d& uv_px) const {
-  const Eigen::Vector2d at = (uv_px.array() + 0.5).matrix() / cell_px;
-  const auto row = static_cast<Eigen::Index>(at.y()), column = static_cast<Eigen::Index>(at.x());
-  const bool seen = at.minCoeff() >= 0.0 && row < points.rows() && column < points.cols() &&
-                    points(row, column) > 0;
-  return seen ? points(row, column) : std::numeric_limits<double>::quiet_NaN();
-}
-
-double ImageCoverage::share() const {
-  return static_cast<double>((points.array() > 0).count()) / static_cast<double>(points.size());
-}
-
-std::vector<std::string> ImageCoverage::empty_corners() const {
-  const auto fifth = [](Eigen::Index cells) {
-    return static_cast<Eigen::Index>(std::ceil(kCorner * static_cast<double>(cells)));
-  };
-  const Eigen::Index high = fifth(points.rows()), wide = fifth(points.cols());
-  std::vector<std::string> empty;
-  if (points.topLeftCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[0]);
-  if (points.topRightCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[1]);
-  if (points.bottomLeftCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[2]);
-  if (points.bottomRightCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[3]);
-  return empty;
-}
-
-namespace {
-
 /// Views left out may be met this many times worse than those fitted.
 constexpr double kWorseLeftOut = 1.5;
 /// A view may have this many times the median residual.
@@ -171,14 +114,10 @@ std::string per_cent(double share) {
   return fixed(100.0 * share, 0) + " %";
 }
 
-std::vector<double> view_residuals(const CameraCalibration& found) {
-  std::vector<double> rms;
-  for (const CalibratedView& view : found.views) rms.push_back(view.rms_px);
-  return rms;
-}
-
 void judge_views(const CameraCalibration& found, Verdict& verdict) {
-  const double usual = median(view_residuals(found));
+  std::vector<double> residuals_px;
+  for (const CalibratedView& view : found.views) residuals_px.push_back(view.rms_px);
+  const double usual = median(residuals_px);
   for (const CalibratedView& view : found.views)
     if (view.rms_px > kUnusualView * usual)
       verdict.faults.push_back(
@@ -266,23 +205,15 @@ Panel residual_panel(const CameraCalibration& found) {
   return panel;
 }
 
-Panel coverage_panel(const CameraCalibration& found, const ImageCoverage& coverage) {
-  Panel panel = picture_panel("Points seen", found);
-  std::vector<double> counts;
-  for (const Eigen::Vector2d& uv : panel.field_places()) counts.push_back(coverage.points_at(uv));
-  const ColorScale colors("points in a cell", counts);
-  panel.add_field(counts, colors);
-  panel.add_color_bar(colors);
-  return panel;
-}
-
-Panel plane_panel(const CameraCalibration& found) {
-  Panel panel = picture_panel("Uncertainty over the plane", found);
-  std::vector<double> sigmas;
-  for (const Eigen::Vector2d& uv : panel.field_places())
-    sigmas.push_back(found.plane_error.at(uv) / kMillimetre);
-  const ColorScale colors("uncertainty, mm", sigmas);
-  panel.add_field(sigmas, colors);
+/// Fills the picture with the colours of a value at each pixel; `label` says what it is.
+template <typename ValueAt>
+Panel field_panel(const std::string& title, const CameraCalibration& found,
+                  const std::string& label, const ValueAt& value_at) {
+  Panel panel = picture_panel(title, found);
+  std::vector<double> values;
+  for (const Eigen::Vector2d& uv : panel.field_places()) values.push_back(value_at(uv));
+  const ColorScale colors(label, values);
+  panel.add_field(values, colors);
   panel.add_color_bar(colors);
   return panel;
 }
@@ -314,13 +245,55 @@ Panel residual_histogram(const CameraCalibration& found) {
                    {found.rms_px / std::sqrt(2.0), "their rms"});
 }
 
-void add_tables(HtmlPage& page, const ReportList& list, const CameraCalibration& found) {
-  page.add_html(list.table("What was found").html());
-  page.add_html(list.table("Views", "views").html());
-  if (!found.rejected.empty()) page.add_html(list.table("Not used", "rejected").html());
+}  // namespace
+
+ImageCoverage coverage_of(const CameraCalibration& found) {
+  const CellGrid grid(found);
+  ViewResiduals residuals_px;
+  for (const CalibratedView& view : found.views) residuals_px.push_back(view.residuals_px);
+  const double common = grid.common_square(residuals_px);
+  ImageCoverage coverage;
+  coverage.cell_px = grid.size_px;
+  coverage.points = Eigen::MatrixXi::Zero(grid.rows, grid.columns);
+  for (const auto& view : grid.cells)
+    for (const Eigen::Index cell : view) ++coverage.points(cell);
+  coverage.common_px = std::sqrt(common);
+  coverage.corner_gaps_px = corner_gaps_px(found);
+  if (const double square = found.rms_px * found.rms_px; square > 0.0) {
+    coverage.systematic = std::min(1.0, common / square);
+    coverage.by_chance = common_square_by_chance(grid, residuals_px) / square;
+  }
+  return coverage;
 }
 
-}  // namespace
+bool ImageCoverage::is_systematic() const {
+  return systematic > kMostly && systematic > by_chance;
+}
+
+double ImageCoverage::points_at(const Eigen::Vector2d& uv_px) const {
+  const Eigen::Vector2d at = (uv_px.array() + 0.5).matrix() / cell_px;
+  const auto row = static_cast<Eigen::Index>(at.y()), column = static_cast<Eigen::Index>(at.x());
+  const bool seen = at.minCoeff() >= 0.0 && row < points.rows() && column < points.cols() &&
+                    points(row, column) > 0;
+  return seen ? points(row, column) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double ImageCoverage::share() const {
+  return static_cast<double>((points.array() > 0).count()) / static_cast<double>(points.size());
+}
+
+std::vector<std::string> ImageCoverage::empty_corners() const {
+  const auto fifth = [](Eigen::Index cells) {
+    return static_cast<Eigen::Index>(std::ceil(kCorner * static_cast<double>(cells)));
+  };
+  const Eigen::Index high = fifth(points.rows()), wide = fifth(points.cols());
+  std::vector<std::string> empty;
+  if (points.topLeftCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[0]);
+  if (points.topRightCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[1]);
+  if (points.bottomLeftCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[2]);
+  if (points.bottomRightCorner(high, wide).sum() == 0) empty.emplace_back(kCorners[3]);
+  return empty;
+}
 
 ReportList calibration_list(const CameraCalibration& found) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -386,7 +359,9 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
   HtmlPage page = page_about("Camera", file);
   page.add_verdict(camera_verdict(found));
   page.add_heading("Where the boards were seen");
-  page.add_html(plot_html({residual_panel(found), coverage_panel(found, coverage)}));
+  const auto points_at = [&](const Eigen::Vector2d& uv) { return coverage.points_at(uv); };
+  page.add_html(plot_html(
+      {residual_panel(found), field_panel("Points seen", found, "points in a cell", points_at)}));
   page.add_paragraph(
       "First: how far each point of the boards was seen from where the model puts it; a line "
       "begins at the dot. Lines in all directions are noise; neighbours that point the same way "
@@ -397,7 +372,10 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
       "than half of the mean square in common, and more than in 95 of 100 shuffles of the "
       "residuals among the points of their views.");
   page.add_heading("Accuracy of the calibration");
-  page.add_html(plot_html({plane_panel(found), view_panel(found), residual_histogram(found)}));
+  const auto error_mm = [&](const Eigen::Vector2d& uv) { return mm(found.plane_error.at(uv)); };
+  page.add_html(
+      plot_html({field_panel("Uncertainty over the plane", found, "uncertainty, mm", error_mm),
+                 view_panel(found), residual_histogram(found)}));
   page.add_paragraph(fmt::format(
       "First: how far a point of a plane {:.0f} mm away may be off because the camera's model is "
       "uncertain (one standard deviation, both axes together), once the plane's pose has been "
@@ -405,7 +383,10 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
       "view far above the others is blurred, or its board bent.",
       found.plane_error.distance / kMillimetre));
   page.add_heading("In numbers");
-  add_tables(page, page_list(found, coverage), found);
+  const ReportList list = page_list(found, coverage);
+  page.add_html(list.table("What was found").html());
+  page.add_html(list.table("Views", "views").html());
+  if (!found.rejected.empty()) page.add_html(list.table("Not used", "rejected").html());
   add_provenance(page, file, input_records(inputs));
   return page.text();
 }

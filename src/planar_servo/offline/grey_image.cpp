@@ -12,14 +12,11 @@
 #include <limits>
 #include <sstream>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
 
 namespace planar {
-
 namespace {
 
 constexpr std::string_view kPng("\x89PNG\r\n\x1a\n", 8);
@@ -189,9 +186,6 @@ std::string no_levels(const cv::Mat& image, std::string_view bytes, const std::s
   return {};
 }
 
-constexpr int kAsTheSensor =
-    cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
-
 /// Returns the bits that are set in any level of a picture.
 int bits_in(const cv::Mat& image) {
   int bits = 0;
@@ -228,7 +222,8 @@ cv::Mat decoded(const std::filesystem::path& file, bool tells_why_not = true) {
   const std::string bytes = read_file(file);
   if (!is_known_format(bytes) || !is_whole_picture(bytes) || is_too_large(file, bytes)) return {};
   try {
-    cv::Mat image = cv::imread(file.string(), kAsTheSensor);
+    cv::Mat image = cv::imread(
+        file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
     if (image.empty()) return {};
     const std::string why = no_levels(image, bytes, file.string());
     if (why.empty()) return image;

@@ -10,7 +10,6 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/threads.h"
@@ -15,6 +16,7 @@
 #include "planar_servo/lamps/lamp_tracker.h"
 
 namespace planar {
+
 namespace {
 
 /// The most whole frames in which a light must be seen to stand still.
@@ -58,6 +60,113 @@ bool stands(const LampCenter& light, const Frame& frame, LampDetector& detector,
             CenterMethod method) {
   const auto seen = find_fixed_light(frame, light.uv_px, detector, method);
   return seen && (seen->uv_px - light.uv_px).norm() < 0.5 * light.diameter_px;
+}
+
+/// Follows the lamps that are fixed to the base through the whole frames of a recording.
+class ReferenceTrack {
+ public:
+  /// Nothing is watched; the image does not move.
+  ReferenceTrack() = default;
+
+  /// Looks at every whole frame in the order of time. Throws WorkError when the lamps disagree in
+  /// one of them, because nothing recorded from there on can be trusted.
+  ReferenceTrack(std::vector<ReferenceLamp> lamps, const std::vector<LampImage>& images,
+                 const cv::Size& sensor_px, CenterMethod method)
+      : lamps_(std::move(lamps)) {
+    ReferenceWatch watch(lamps_, method);
+    for (const LampImage* image : whole_frames(images, sensor_px)) {
+      watch.look(frame_of(*image, sensor_px));
+      if (watch.objection()) throw WorkError(watch.objection()->at(image->file));
+      looks_.push_back({*image->t_s, watch.motion()});
+    }
+  }
+
+  /// Returns how the image had moved at this time, from when the lamps were seen as lamps() says:
+  /// between two looks in proportion to time, before the first and after the last as there.
+  ImageMotion at(double t_s) const {
+    if (looks_.empty()) return {};
+    const auto next = std::find_if(looks_.begin(), looks_.end(),
+                                   [&](const Look& look) { return look.t_s >= t_s; });
+    if (next == looks_.end()) return looks_.back().motion;
+    if (next == looks_.begin()) return next->motion;
+    const Look& last = *(next - 1);
+    return last.motion.towards(next->motion, (t_s - last.t_s) / (next->t_s - last.t_s));
+  }
+
+  const std::vector<ReferenceLamp>& lamps() const { return lamps_; }
+
+ private:
+  struct Look {
+    double t_s;
+    ImageMotion motion;
+  };
+
+  std::vector<ReferenceLamp> lamps_;
+  std::vector<Look> looks_;
+};
+
+/// Finds the lights that stand still in the recording's whole frames and measures them in the first
+/// of these: the reference for all others. Throws WorkError when fewer stand still than the cell
+/// has lamps. Their ids are not known yet.
+std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampLayout>& layout,
+                                                const std::vector<LampImage>& images,
+                                                const cv::Size& sensor_px, CenterMethod method) {
+  const std::vector<const LampImage*> whole = whole_frames(images, sensor_px);
+  if (whole.size() < 2)
+    throw WorkError(
+        {fmt::format("{} whole frames show the lamps", whole.size()),
+         fmt::format("at least 2 at different places are needed to tell the {} reference lamps of "
+                     "the cell file from those of the tool: record with planar-record",
+                     layout.size())});
+  LampDetector detector;
+  std::vector<LampCenter> lights =
+      lights_in(frame_of(*whole[0], sensor_px).image, detector, method);
+  const std::size_t n = std::min(whole.size() - 1, kStillFrames);
+  for (std::size_t i = 1; i <= n; ++i) {
+    const Frame frame = frame_of(*whole[i * (whole.size() - 1) / n], sensor_px);
+    lights.erase(std::remove_if(lights.begin(), lights.end(),
+                                [&](const LampCenter& light) {
+                                  return !stands(light, frame, detector, method);
+                                }),
+                 lights.end());
+  }
+  if (lights.size() < layout.size())
+    throw WorkError(
+        {fmt::format(
+             "{} lights stand still in {} whole frames, but the cell file names {} reference lamps",
+             lights.size(), n + 1, layout.size()),
+         "uncover them, or name those that there are"});
+  lights.resize(layout.size());
+  std::vector<ReferenceLamp> lamps;
+  lamps.reserve(lights.size());
+  for (const LampCenter& light : lights)
+    lamps.push_back({"", light.uv_px, std::sqrt(0.5 * light.covariance_px2.trace())});
+  return lamps;
+}
+
+/// Gives each lamp the id of the one that is stated where it is seen. Lamps of which a place is not
+/// stated, or cannot be seen, are named in the order in which they are read in a book.
+void name_reference_lamps(const std::vector<ReferenceLampLayout>& layout,
+                          const std::optional<CoarseView>& view,
+                          std::vector<ReferenceLamp>& lamps) {
+  std::sort(lamps.begin(), lamps.end(), [](const ReferenceLamp& a, const ReferenceLamp& b) {
+    return std::pair(a.uv_px.y(), a.uv_px.x()) < std::pair(b.uv_px.y(), b.uv_px.x());
+  });
+  std::vector<Eigen::Vector2d> stated;
+  for (const ReferenceLampLayout& lamp : layout) {
+    const auto place = lamp.p_B && view ? view->pixel(*lamp.p_B) : std::nullopt;
+    if (place) stated.push_back(*place);
+  }
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    if (stated.size() == layout.size())
+      std::iter_swap(lamps.begin() + static_cast<std::ptrdiff_t>(i),
+                     std::min_element(lamps.begin() + static_cast<std::ptrdiff_t>(i), lamps.end(),
+                                      [&](const ReferenceLamp& a, const ReferenceLamp& b) {
+                                        return (a.uv_px - stated[i]).squaredNorm() <
+                                               (b.uv_px - stated[i]).squaredNorm();
+                                      }));
+    lamps[i].id = layout[i].id;
+  }
 }
 
 constexpr unsigned kMostThreads = 4;  // each thread holds a full frame
@@ -236,94 +345,11 @@ std::vector<ReferenceLamp> reference_lamps_in(const LocateRequest& request, Lamp
                                  request.method);
   scene.fixed_px = places_px(lamps);
   if (known) return lamps;
-  const std::optional<CoarseView> view = learn_view(request, scene);
-  name_reference_lamps(
-      scene.reference_lamps,
-      [&](const Eigen::Vector2d& p_B) { return view ? view->pixel(p_B) : std::nullopt; }, lamps);
+  name_reference_lamps(scene.reference_lamps, learn_view(request, scene), lamps);
   return lamps;
 }
 
 }  // namespace
-
-ReferenceTrack::ReferenceTrack(std::vector<ReferenceLamp> lamps,
-                               const std::vector<LampImage>& images, const cv::Size& sensor_px,
-                               CenterMethod method)
-    : lamps_(std::move(lamps)) {
-  ReferenceWatch watch(lamps_, method);
-  for (const LampImage* image : whole_frames(images, sensor_px)) {
-    watch.look(frame_of(*image, sensor_px));
-    if (watch.objection()) throw WorkError(watch.objection()->at(image->file));
-    looks_.push_back({*image->t_s, watch.motion()});
-  }
-}
-
-ImageMotion ReferenceTrack::at(double t_s) const {
-  if (looks_.empty()) return {};
-  const auto next =
-      std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) { return look.t_s >= t_s; });
-  if (next == looks_.end()) return looks_.back().motion;
-  if (next == looks_.begin()) return next->motion;
-  const Look& last = *(next - 1);
-  return last.motion.towards(next->motion, (t_s - last.t_s) / (next->t_s - last.t_s));
-}
-
-std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampLayout>& layout,
-                                                const std::vector<LampImage>& images,
-                                                const cv::Size& sensor_px, CenterMethod method) {
-  const std::vector<const LampImage*> whole = whole_frames(images, sensor_px);
-  if (whole.size() < 2)
-    throw WorkError(
-        {fmt::format("{} whole frames show the lamps", whole.size()),
-         fmt::format("at least 2 at different places are needed to tell the {} reference lamps of "
-                     "the cell file from those of the tool: record with planar-record",
-                     layout.size())});
-  LampDetector detector;
-  std::vector<LampCenter> lights =
-      lights_in(frame_of(*whole[0], sensor_px).image, detector, method);
-  const std::size_t n = std::min(whole.size() - 1, kStillFrames);
-  for (std::size_t i = 1; i <= n; ++i) {
-    const Frame frame = frame_of(*whole[i * (whole.size() - 1) / n], sensor_px);
-    lights.erase(std::remove_if(lights.begin(), lights.end(),
-                                [&](const LampCenter& light) {
-                                  return !stands(light, frame, detector, method);
-                                }),
-                 lights.end());
-  }
-  if (lights.size() < layout.size())
-    throw WorkError(
-        {fmt::format(
-             "{} lights stand still in {} whole frames, but the cell file names {} reference lamps",
-             lights.size(), n + 1, layout.size()),
-         "uncover them, or name those that there are"});
-  lights.resize(layout.size());
-  std::vector<ReferenceLamp> lamps;
-  lamps.reserve(lights.size());
-  for (const LampCenter& light : lights)
-    lamps.push_back({"", light.uv_px, std::sqrt(0.5 * light.covariance_px2.trace())});
-  return lamps;
-}
-
-void name_reference_lamps(const std::vector<ReferenceLampLayout>& layout, const BaseView& view,
-                          std::vector<ReferenceLamp>& lamps) {
-  std::sort(lamps.begin(), lamps.end(), [](const ReferenceLamp& a, const ReferenceLamp& b) {
-    return std::pair(a.uv_px.y(), a.uv_px.x()) < std::pair(b.uv_px.y(), b.uv_px.x());
-  });
-  std::vector<Eigen::Vector2d> stated;
-  for (const ReferenceLampLayout& lamp : layout) {
-    const auto place = lamp.p_B ? view(*lamp.p_B) : std::nullopt;
-    if (place) stated.push_back(*place);
-  }
-  for (std::size_t i = 0; i < layout.size(); ++i) {
-    if (stated.size() == layout.size())
-      std::iter_swap(lamps.begin() + static_cast<std::ptrdiff_t>(i),
-                     std::min_element(lamps.begin() + static_cast<std::ptrdiff_t>(i), lamps.end(),
-                                      [&](const ReferenceLamp& a, const ReferenceLamp& b) {
-                                        return (a.uv_px - stated[i]).squaredNorm() <
-                                               (b.uv_px - stated[i]).squaredNorm();
-                                      }));
-    lamps[i].id = layout[i].id;
-  }
-}
 
 LocateReport locate_lamps(const LocateRequest& request) {
   std::optional<LampScene> scene = request.scene;
@@ -372,6 +398,62 @@ LocateReport locate_lamps_of_recording(const CellSettings& cell,
                        read_lamp_scene(cell),
                        method,
                        {}});
+}
+
+namespace {
+
+std::vector<LampImage> as_one_set(std::vector<LampImage> images) {
+  std::vector<std::filesystem::path> files;
+  files.reserve(images.size());
+  for (const LampImage& image : images) files.push_back(image.file);
+  const auto set = std::make_shared<const PictureSet>(files);
+  for (LampImage& image : images) image.set = set;
+  return images;
+}
+
+}  // namespace
+
+std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
+                                           const std::vector<FrameRow>& frames,
+                                           const std::optional<PlanarArm>& arm) {
+  std::vector<LampImage> images;
+  for (const FrameRow& frame : frames) {
+    images.push_back({frame.id, frame.image, folder / frame.image, frame.t_s, frame.region_px,
+                      std::nullopt, shows_board(frame.plan)});
+    if (arm && !shows_board(frame.plan)) images.back().commanded = arm->forward(frame.theta);
+  }
+  return as_one_set(std::move(images));
+}
+
+std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& files) {
+  std::vector<LampImage> images;
+  for (const std::filesystem::path& file : files)
+    images.push_back({file.stem().string(), file.string(), file, {}, {}, {}});
+  return as_one_set(std::move(images));
+}
+
+LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px) {
+  LampImageRead read;
+  if (image.shows_board) {
+    read.status = LampStatus::kBoardView;
+    return read;
+  }
+  read.frame.image = image.set->read(image.file);
+  if (read.frame.image.empty()) {
+    read.status = LampStatus::kUnreadable;
+    return read;
+  }
+  const cv::Size size = read.frame.image.size();
+  read.frame.region_px = image.region_px.value_or(cv::Rect({0, 0}, size));
+  read.frame.t_s = image.t_s.value_or(0.0);
+  const cv::Size expected = image.region_px ? image.region_px->size() : sensor_px.value_or(size);
+  if (size != expected) {
+    read.status = LampStatus::kWrongSize;
+    read.fault = fmt::format(
+        "{}: is {} x {} pixels; {} says {} x {}", image.file.string(), size.width, size.height,
+        image.region_px ? "frames.csv" : "the cell file", expected.width, expected.height);
+  }
+  return read;
 }
 
 }  // namespace planar

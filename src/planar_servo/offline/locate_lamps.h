@@ -1,61 +1,58 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <opencv2/core/types.hpp>
+
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "planar_servo/base/core/pose.h"
+#include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/loop/vision/reference_lamps.h"
 #include "planar_servo/loop/vision/see_tool.h"
-#include "planar_servo/offline/lamp_images.h"
+#include "planar_servo/offline/grey_image.h"
 
 namespace planar {
 
-/// Follows the lamps that are fixed to the base through the whole frames of a recording.
-class ReferenceTrack {
- public:
-  /// Nothing is watched; the image does not move.
-  ReferenceTrack() = default;
-
-  /// Looks at every whole frame in the order of time. Throws WorkError when the lamps disagree in
-  /// one of them, because nothing recorded from there on can be trusted.
-  ReferenceTrack(std::vector<ReferenceLamp> lamps, const std::vector<LampImage>& images,
-                 const cv::Size& sensor_px, CenterMethod method);
-
-  /// Returns how the image had moved at this time, from when the lamps were seen as lamps() says:
-  /// between two looks in proportion to time, before the first and after the last as there.
-  ImageMotion at(double t_s) const;
-
-  const std::vector<ReferenceLamp>& lamps() const { return lamps_; }
-
- private:
-  struct Look {
-    double t_s;
-    ImageMotion motion;
-  };
-
-  std::vector<ReferenceLamp> lamps_;
-  std::vector<Look> looks_;
+/// Describes an image in which lamps are to be located.
+struct LampImage {
+  std::string id;
+  std::string name;  ///< the image's name in tables
+  std::filesystem::path file;
+  std::optional<double> t_s;
+  std::optional<cv::Rect> region_px;        ///< its place on the sensor; empty: at the origin
+  std::optional<TipPose> commanded;         ///< commanded pose, base frame
+  bool shows_board{false};                  ///< shows a calibration board instead of the lamps
+  std::shared_ptr<const PictureSet> set{};  ///< to which it belongs
 };
 
-/// Returns where a place of the base is seen; empty when it is not.
-using BaseView = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d& p_B)>;
+/// Lists the images of a recording. They have their commanded poses when the arm is given.
+std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
+                                           const std::vector<FrameRow>& frames,
+                                           const std::optional<PlanarArm>& arm);
 
-/// Finds the lights that stand still in the recording's whole frames and measures them in the first
-/// of these: the reference for all others. Throws WorkError when fewer stand still than the cell
-/// has lamps. Their ids are not known yet.
-std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampLayout>& layout,
-                                                const std::vector<LampImage>& images,
-                                                const cv::Size& sensor_px, CenterMethod method);
+/// Lists images of which nothing else is known. The id of each is its file's stem.
+std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& files);
 
-/// Gives each lamp the id of the one that is stated where it is seen. Lamps of which a place is not
-/// stated, or cannot be seen, are named in the order in which they are read in a book.
-void name_reference_lamps(const std::vector<ReferenceLampLayout>& layout, const BaseView& view,
-                          std::vector<ReferenceLamp>& lamps);
+/// Holds an image that was read, or says why it was not.
+struct LampImageRead {
+  LampStatus status{LampStatus::kOk};  ///< or kBoardView, kUnreadable, kWrongSize
+  Frame frame;                         ///< valid only when status is kOk
+  std::string fault;                   ///< describes a wrong size in words
+};
+
+/// Reads an image as 8-bit grey levels. It must have the size of its region or, without one, that
+/// of the sensor if that is known.
+LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px);
 
 /// Says in which images lamps are to be located, and how.
 struct LocateRequest {

@@ -35,7 +35,7 @@ constexpr std::size_t kFewTicks = 2;  // do not show that a scale is one of deca
 }  // namespace
 
 ColorScale::ColorScale(std::string label, const std::vector<double>& values, Steps steps, Hues hues)
-    : label_(std::move(label)), steps_(steps), hues_(hues) {
+    : hues_(hues) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const double value : values) {
     if (!std::isfinite(value) || (steps == Steps::kDecades && value <= 0.0)) continue;
@@ -47,15 +47,12 @@ ColorScale::ColorScale(std::string label, const std::vector<double>& values, Ste
     least = steps == Steps::kDecades ? 0.5 * least : least - 0.5 * std::abs(least);
     most = steps == Steps::kDecades ? 2.0 * most : most + 0.5 * std::abs(most);
   }
-  from_ = least;
-  to_ = least < most ? most : least + 1.0;
+  axis_ = {std::move(label), least, least < most ? most : least + 1.0, steps};
 }
 
 double ColorScale::share(double value) const {
-  const double share = steps_ == Steps::kEven ? (value - from_) / (to_ - from_)
-                       : value > 0.0          ? std::log(value / from_) / std::log(to_ / from_)
-                                              : 0.0;
-  return std::clamp(share, 0.0, 1.0);
+  const double share = axis_.share(value);
+  return share > 0.0 ? std::min(share, 1.0) : 0.0;
 }
 
 std::string ColorScale::color(double value) const {
@@ -77,30 +74,25 @@ std::string ColorScale::bar_svg(double left, double top, double height) const {
   const double band = height / kBands;
   for (int i = 0; i < kBands; ++i) {
     const double share = (i + 0.5) / kBands;
-    const double value = steps_ == Steps::kEven ? from_ + share * (to_ - from_)
-                                                : from_ * std::pow(to_ / from_, share);
+    const double value = axis_.spacing == Spacing::kEven ? from() + share * (to() - from())
+                                                         : from() * std::pow(to() / from(), share);
     svg += fmt::format(
-        "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{}\" "
-        "height=\"{:.2f}\" fill=\"{}\"/>\n",
-        left, top + height - (i + 1) * band, kBar, band + 0.5, color(value));
+        "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{}\" height=\"{:.2f}\" fill=\"{}\"/>\n", left,
+        top + height - (i + 1) * band, kBar, band + 0.5, color(value));
   }
   svg += fmt::format(
-      "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" "
-      "width=\"{}\" height=\"{:.1f}\"/>\n",
-      left, top, kBar, height);
-  const Ticks ticks =
-      Axis{"", from_, to_, steps_ == Steps::kEven ? Spacing::kEven : Spacing::kDecades}.ticks(
-          kMostTicks);
+      "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left,
+      top, kBar, height);
+  const Ticks ticks = axis_.ticks(kMostTicks);
   for (const double value : ticks.values)
     svg +=
         fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + kBar + 4.0,
                     top + height * (1.0 - share(value)) + 4.0, ticks.text(value));
   const double x = left + kColorBarWidth - 8.0, y = top + 0.5 * height;
   return svg + fmt::format(
-                   "<text class=\"label\" text-anchor=\"middle\" "
-                   "x=\"{0:.1f}\" y=\"{1:.1f}\" "
+                   "<text class=\"label\" text-anchor=\"middle\" x=\"{0:.1f}\" y=\"{1:.1f}\" "
                    "transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
-                   x, y, html_escaped(label_));
+                   x, y, html_escaped(axis_.label));
 }
 
 Axis axis_over(const std::string& label, const std::vector<double>& values) {

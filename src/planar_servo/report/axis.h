@@ -5,42 +5,6 @@
 
 namespace planar {
 
-/// Gives values colours, from light for the least to dark for the largest: viridis [van der Walt
-/// and Smith 2015] turned round, whose lightness falls evenly, in grey print as well. Grey levels
-/// of an image are shown as the image has them, the least black.
-class ColorScale {
- public:
-  enum class Steps { kEven, kDecades };
-  enum class Hues { kViridis, kGrey };
-
-  /// The ends of the scale are those of the values that are finite; kDecades takes those above
-  /// zero, and spaces colours by their logarithm. `label` says what the values are, with the unit.
-  /// Without any such value, or with one only, the scale has ends around it.
-  ColorScale(std::string label, const std::vector<double>& values, Steps steps = Steps::kEven,
-             Hues hues = Hues::kViridis);
-
-  /// Returns the colour as #rrggbb. Values beyond an end have the end's colour.
-  std::string color(double value) const;
-  /// Returns where a value lies on the scale, from 0 to 1.
-  double share(double value) const;
-
-  double from() const { return from_; }
-  double to() const { return to_; }
-
-  /// Draws the scale as a bar of this height with ticks and label: as SVG, its upper left corner at
-  /// (left, top).
-  std::string bar_svg(double left, double top, double height) const;
-
- private:
-  std::string label_;
-  Steps steps_;
-  Hues hues_;
-  double from_{0.0}, to_{1.0};
-};
-
-/// Width of what bar_svg() draws, with its ticks and label.
-constexpr double kColorBarWidth = 90.0;
-
 /// Ticks at whole multiples of a step that is 1, 2 or 5 times a power of ten, or at round values of
 /// each decade, whose step is 0.
 struct Ticks {
@@ -64,13 +28,45 @@ struct Axis {
 
   double lowest() const { return from < to ? from : to; }
   double highest() const { return from < to ? to : from; }
-  /// Returns where a value lies: 0 at `from`, 1 at `to`. Zero and less lie at the lower end of an
-  /// axis of decades.
+  /// Returns a value's place: 0 at `from`, 1 at `to`; zero and less at the lower end of decades.
   double share(double value) const;
   /// Returns ticks between the ends; at most `most` of them on an even axis, and on one of decades
   /// that is too short for ticks of its own.
   Ticks ticks(int most) const;
 };
+
+/// Gives values colours, from light for the least to dark for the largest: viridis [van der Walt
+/// and Smith 2015] turned round, whose lightness falls evenly, in grey print as well. Grey levels
+/// of an image are shown as the image has them, the least black.
+class ColorScale {
+ public:
+  using Steps = Spacing;
+  enum class Hues { kViridis, kGrey };
+
+  /// The ends of the scale are those of the values that are finite; kDecades takes those above
+  /// zero, and spaces colours by their logarithm. `label` says what the values are, with the unit.
+  /// Without any such value, or with one only, the scale has ends around it.
+  ColorScale(std::string label, const std::vector<double>& values, Steps steps = Steps::kEven,
+             Hues hues = Hues::kViridis);
+
+  /// Returns the colour as #rrggbb. Values beyond an end have the end's colour.
+  std::string color(double value) const;
+  /// Returns where a value lies on the scale, from 0 to 1; of no number 0.
+  double share(double value) const;
+
+  double from() const { return axis_.from; }
+  double to() const { return axis_.to; }
+
+  /// Draws the scale as a bar with ticks and label: SVG, its upper left corner at (left, top).
+  std::string bar_svg(double left, double top, double height) const;
+
+ private:
+  Axis axis_;
+  Hues hues_;
+};
+
+/// Width of what bar_svg() draws, with its ticks and label.
+constexpr double kColorBarWidth = 90.0;
 
 /// Returns an axis over all values with a little room at both ends. Values that do not differ get
 /// room of their own size. Throws std::invalid_argument for no values.

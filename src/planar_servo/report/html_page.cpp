@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
+#include <iterator>
 
 namespace planar {
 namespace {
@@ -28,43 +30,15 @@ svg{max-width:100%;height:auto}figure{margin:1.5rem 0}figcaption{margin-bottom:.
 @media print{body{margin:0}h2,h3{break-after:avoid}svg,tr,figure{break-inside:avoid}
 .wide{overflow:visible}})";
 
-constexpr char kGenerator[] = "<meta name=\"generator\" content=\"planar-servo\"/>\n";
+constexpr std::pair<char, const char*> kEntities[] = {
+    {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
 
-}  // namespace
-
-std::string html_escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
-namespace {
-
-/// Returns text for a paragraph, in which lines stay lines and a figure keeps its per cent sign.
+/// Returns text for a paragraph, in which lines stay lines.
 std::string flowing(const std::string& text) {
-  std::string html = html_escaped(text);
+  std::string html = html_text(text);
   while (!html.empty() && html.back() == '\n') html.pop_back();
   for (std::size_t at = html.find('\n'); at != std::string::npos; at = html.find('\n', at + 5))
     html.replace(at, 1, "<br/>");
-  for (std::size_t at = html.find(" %"); at != std::string::npos; at = html.find(" %", at))
-    html.replace(at, 1, "&#160;");
   return html;
 }
 
@@ -82,6 +56,23 @@ std::string words_of_id(const std::string& text) {
 }
 
 }  // namespace
+
+std::string html_escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    const auto entity = std::find_if(std::begin(kEntities), std::end(kEntities),
+                                     [&](const auto& each) { return each.first == c; });
+    escaped += entity == std::end(kEntities) ? std::string(1, c) : entity->second;
+  }
+  return escaped;
+}
+
+std::string html_text(const std::string& text) {
+  std::string html = html_escaped(text);
+  for (std::size_t at = html.find(" %"); at != std::string::npos; at = html.find(" %", at))
+    html.replace(at, 1, "&#160;");
+  return html;
+}
 
 HtmlPage::HtmlPage(const std::string& title)
     : title_(title), body_(fmt::format("<h1>{}</h1>\n", html_escaped(title))) {}
@@ -140,12 +131,13 @@ std::string HtmlPage::text() const {
   std::string body = body_;
   if (contents_at_) body.insert(*contents_at_, contents());
   return fmt::format(
-      "<!DOCTYPE html>\n<!-- format: planar-servo/page/1 -->\n<html lang=\"en\">\n<head>\n<meta "
-      "charset=\"utf-8\"/>\n"
+      "<!DOCTYPE html>\n<!-- format: planar-servo/page/1 -->\n<html lang=\"en\">\n<head>\n"
+      "<meta charset=\"utf-8\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-      "{}<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</"
+      "<meta name=\"generator\" content=\"planar-servo\"/>\n"
+      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</"
       "html>\n",
-      kGenerator, html_escaped(title_), kStyle + style_, body);
+      html_escaped(title_), kStyle + style_, body);
 }
 
 }  // namespace planar

@@ -11,6 +11,8 @@ namespace planar {
 
 /// Replaces `&`, `<`, `>` and quotes by HTML entities.
 std::string html_escaped(const std::string& text);
+/// Returns the same of a text for people, in which a figure keeps its per cent sign beside it.
+std::string html_text(const std::string& text);
 
 /// Says in one sentence whether a result is good, and what to do where it is not.
 struct Verdict {
@@ -25,8 +27,7 @@ class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);
 
-  /// Adds a heading below the title, whose level is 1, and returns its id. A level may be at most
-  /// one above that of the heading before.
+  /// Adds a heading and returns its id. The title has level 1; a level may rise by one at most.
   std::string add_heading(const std::string& text, int level = 2);
   /// Adds links to all headings that follow.
   void add_contents();

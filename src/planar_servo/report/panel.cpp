@@ -20,10 +20,8 @@ constexpr double kOverlap = 0.4;  // of a field's cells, so that no seam shows
 
 std::string text(const char* of_class, double x, double y, const char* anchor,
                  const std::string& content) {
-  return fmt::format(
-      "<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" "
-      "text-anchor=\"{}\">{}</text>\n",
-      of_class, x, y, anchor, html_escaped(content));
+  return fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n",
+                     of_class, x, y, anchor, html_escaped(content));
 }
 
 int most_ticks(double length) {
@@ -40,9 +38,7 @@ std::string path_through(const std::vector<Eigen::Vector2d>& points) {
 std::string line_svg(const char* of_class, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                      const std::string& color) {
   return fmt::format(
-      "<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" "
-      "x2=\"{:.1f}\" y2=\"{:.1f}\" "
-      "stroke=\"{}\"/>",
+      "<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>",
       of_class, from.x(), from.y(), to.x(), to.y(), color);
 }
 
@@ -69,9 +65,8 @@ std::string mark_svg(const Eigen::Vector2d& p, double radius, const std::string&
   const std::vector<Eigen::Vector2d>& corners = style_of(color).corners;
   if (corners.empty())
     return fmt::format(
-        "<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" "
-        "r=\"{:g}\" fill=\"{}\"/>\n",
-        p.x(), p.y(), radius, color);
+        "<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\" fill=\"{}\"/>\n", p.x(),
+        p.y(), radius, color);
   std::vector<Eigen::Vector2d> placed;
   placed.reserve(corners.size());
   for (const Eigen::Vector2d& corner : corners) placed.emplace_back(p + radius * corner);
@@ -82,34 +77,6 @@ std::string dashes_of(const std::string& color) {
   const std::string dashes = style_of(color).dashes;
   return dashes.empty() ? "" : " stroke-dasharray=\"" + dashes + "\"";
 }
-
-/// Runs of one colour in a row become one rectangle.
-class FieldRow {
- public:
-  FieldRow(double top, double height) : top_(top), height_(height) {}
-
-  void add(double left, double right, const std::string& color) {
-    if (color != color_) finish();
-    if (color_.empty()) left_ = left;
-    color_ = color;
-    right_ = right;
-  }
-
-  void finish() {
-    if (!color_.empty())
-      svg_ += fmt::format(
-          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
-          "height=\"{:.1f}\" fill=\"{}\"/>\n",
-          left_, top_, right_ - left_ + kOverlap, height_ + kOverlap, color_);
-    color_.clear();
-  }
-
-  const std::string& svg() const { return svg_; }
-
- private:
-  double top_, height_, left_{0.0}, right_{0.0};
-  std::string color_, svg_;
-};
 
 }  // namespace
 
@@ -157,19 +124,22 @@ void Panel::add_field(const std::vector<double>& values, const ColorScale& scale
   if (values.size() != static_cast<std::size_t>(kFieldCells) * kFieldCells)
     throw std::invalid_argument("a field needs a value for each of its places");
   const double wide = plot_width_ / kFieldCells, high = plot_height_ / kFieldCells;
+  std::vector<std::string> colors(values.size());
+  std::transform(values.begin(), values.end(), colors.begin(),
+                 [&](double value) { return std::isfinite(value) ? scale.color(value) : ""; });
   marks_ += "<g shape-rendering=\"crispEdges\">\n";
-  auto value = values.begin();
-  for (int row = 0; row < kFieldCells; ++row) {
-    FieldRow cells(kTop + row * high, high);
-    for (int column = 0; column < kFieldCells; ++column, ++value) {
-      if (std::isfinite(*value))
-        cells.add(kLeft + column * wide, kLeft + (column + 1) * wide, scale.color(*value));
-      else
-        cells.finish();
+  auto cell = colors.begin();
+  for (int row = 0; row < kFieldCells; ++row)
+    for (int column = 0, end = 0; column < kFieldCells; column = end) {
+      // Cells of one colour in a row become one rectangle.
+      const std::string& color = *cell;
+      for (; end < kFieldCells && *cell == color; ++end) ++cell;
+      if (color.empty()) continue;
+      const double left = kLeft + column * wide, right = kLeft + end * wide;
+      marks_ += fmt::format(
+          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n",
+          left, kTop + row * high, right - left + kOverlap, high + kOverlap, color);
     }
-    cells.finish();
-    marks_ += cells.svg();
-  }
   marks_ += "</g>\n";
 }
 
@@ -219,8 +189,7 @@ void Panel::add_bars(const std::vector<double>& edges, const std::vector<double>
   for (std::size_t i = 0; i < heights.size(); ++i) {
     const Eigen::Vector2d top = at({edges[i], heights[i]}), base = at({edges[i + 1], 0.0});
     marks_ += fmt::format(
-        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" "
-        "width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
         top.x(), top.y(), base.x() - top.x(), base.y() - top.y());
   }
 }
@@ -302,10 +271,9 @@ std::string Panel::axes() const {
 std::string Panel::svg(double left) const {
   std::string svg = fmt::format("<g transform=\"translate({:.1f} 0)\">\n", left);
   svg += text("title", kLeft, 20.0, "start", title_) + axes() + marks_;
-  svg += fmt::format(
-      "<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" "
-      "height=\"{:.1f}\"/>\n",
-      kLeft, kTop, plot_width_, plot_height_);
+  svg +=
+      fmt::format("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+                  kLeft, kTop, plot_width_, plot_height_);
   double y = kTop + plot_height_ + kBottom + 14.0;
   for (const std::string& line : legend_) {
     svg += fmt::format("<g transform=\"translate({} {:.1f})\">{}</g>\n", kLeft, y, line);

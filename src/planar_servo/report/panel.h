@@ -62,11 +62,9 @@ class Panel {
                 const std::string& color = "#222");
   /// Draws bars from zero, from one edge to the next: one more edge than heights.
   void add_bars(const std::vector<double>& edges, const std::vector<double>& heights);
-  /// Draws a colour bar beside the panel.
   void add_color_bar(const ColorScale& scale);
   /// Writes a line below the panel, as a legend.
   void add_note(const std::string& note);
-  /// A colour's mark and what it is.
   struct Key {
     std::string color, what;
   };

@@ -7,7 +7,6 @@
 
 namespace planar {
 
-/// Returns lengths in metres as millimetres.
 std::vector<Eigen::Vector2d> in_mm(const std::vector<Eigen::Vector2d>& metres);
 
 std::vector<double> lengths_of(const std::vector<Eigen::Vector2d>& vectors);

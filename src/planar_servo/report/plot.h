@@ -12,8 +12,7 @@ namespace planar {
 /// is said in words, too, for readers who cannot see it.
 std::string plot_svg(const std::vector<Panel>& panels);
 
-/// Draws the panels for a page: an SVG element each, side by side where they fit, otherwise one
-/// below the other.
+/// Draws the panels for a page: an SVG element each, side by side or, if too wide, in a column.
 std::string plot_html(const std::vector<Panel>& panels);
 
 /// Draws vectors' components over a number for each vector, as two series, with a line at zero.
@@ -26,9 +25,8 @@ struct NormalCurve {
   std::string what;  ///< "their rms", "the stated deviation"
 };
 
-/// Draws how often values occur, in bars of a round width, with a normal curve of the same area.
-/// Values beyond six robust deviations are counted in a note. Throws std::invalid_argument for no
-/// values.
+/// Draws how often values occur, in bars of a round width, with a normal curve of the same area. A
+/// note counts values beyond six robust deviations. Throws std::invalid_argument for no values.
 Panel histogram(const std::string& title, const std::string& label,
                 const std::vector<double>& values, const NormalCurve& expected);
 
@@ -39,7 +37,6 @@ struct QuiverPanel {
   std::vector<Eigen::Vector2d> errors;  ///< metres, as many as points
 };
 
-/// Explains the plot of quiver_svg() to a reader.
 constexpr char kQuiverCaption[] =
     "Each line leads from a place into the direction of its error. The panels share axes, length "
     "of the lines and colours, so that they can be compared; the colour shows errors whose lines "

@@ -38,17 +38,9 @@ std::string header_html(const std::vector<std::string>& header) {
   return "<thead>\n<tr>" + row + "</tr>\n</thead>\n";
 }
 
-/// Returns a cell whose per cent sign stays with its number.
-std::string cell_html(const std::string& cell) {
-  std::string html = html_escaped(cell);
-  for (std::size_t at = html.find(" %"); at != std::string::npos; at = html.find(" %", at))
-    html.replace(at, 1, "&#160;");
-  return html;
-}
-
 std::string row_html(const std::vector<std::string>& cells) {
   std::string row = head_html(cells.front(), "row");
-  for (std::size_t c = 1; c < cells.size(); ++c) row += "<td>" + cell_html(cells[c]) + "</td>";
+  for (std::size_t c = 1; c < cells.size(); ++c) row += "<td>" + html_text(cells[c]) + "</td>";
   return "<tr>" + row + "</tr>\n";
 }
 

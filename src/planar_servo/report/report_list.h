@@ -60,7 +60,6 @@ class ReportList {
                const Values&... values) {
     add(is_shown, name, text, {json_of(values)...});
   }
-  /// Adds a figure that is not printed.
   template <typename Value>
   void unprinted(const std::string& key, const Value& value) {
     keep(key, json_of(value));
@@ -71,8 +70,7 @@ class ReportList {
   void append(const ReportList& other);
   /// Adds the figures of another list without its lines.
   void append_figures(const ReportList& other) { json_.update(other.json_); }
-  /// Adds a line that is only printed: it heads rows, whose columns have names of their own in a
-  /// table.
+  /// Adds a line that is only printed, above rows; a table has the names of its columns instead.
   void row_heads(const std::string& text) { lines_.push_back(row_of(text)); }
   /// Adds the lines of `row` as the cells of a table's next row. They are printed side by side as
   /// their formats pad them. Its figures are not added.
@@ -92,8 +90,7 @@ class ReportList {
   /// Returns the lines but those of rows as a table of names and texts.
   TextTable table(const std::string& title) const;
   bool has_rows(const std::string& key) const;
-  /// Returns the rows under a key: the names of the first one's cells are the columns. A dash
-  /// stands for what is not known.
+  /// Returns the rows under a key: the first one's names are the columns, a dash is not known.
   TextTable table(const std::string& title, const std::string& key) const;
 
  private:

@@ -33,11 +33,6 @@ Eigen::Matrix3d turned_lean(double direction_rad, const Eigen::Vector2d& lean_ra
   return rotation_from_vector({lean.x(), lean.y(), 0.0});
 }
 
-Eigen::Vector2d wobbling(const AxisErrorTruth& wobble, std::size_t joint, double joint_rad) {
-  const int i = static_cast<int>(joint);
-  return wobble_rad(joint_rad, wobble.sizes[i], wobble.phases_rad[i]);
-}
-
 Eigen::Vector3d in_space(const Eigen::Vector2d& p) {
   return {p.x(), p.y(), 0.0};
 }
@@ -136,13 +131,9 @@ VirtualArm::VirtualArm(const Truth& truth, const VirtualHardware& stated, const 
         clock,
         VirtualDrive::Settings{scales[joint], limits, home[joint], counted[joint],
                                built.gear_ratios[joint], arm_.warming, stated.knows_position},
-        arm_.reducers[static_cast<std::size_t>(joint)]);
+        arm_.reducers[joint]);
     drives_.back().before_turning([this] { leave_rest(); });
   }
-}
-
-VirtualDrive& VirtualArm::drive(int joint) {
-  return drives_.at(static_cast<std::size_t>(joint));
 }
 
 bool VirtualArm::moves() const {
@@ -169,9 +160,8 @@ Eigen::Vector2d VirtualArm::link_lengths_m() const {
   if (!arm_.warming) return lengths;
   // Each link carries the motor of the joint after it and is held at that of the joint before.
   for (std::size_t i = 0; i < 2; ++i)
-    lengths[static_cast<int>(i)] *=
-        1.0 +
-        arm_.warming->growth * 0.5 * (drives_[i].warmth().link + drives_[i + 1].warmth().link);
+    lengths[i] *= 1.0 + arm_.warming->growth * 0.5 *
+                            (drives_[i].warmth().link + drives_[i + 1].warmth().link);
   return lengths;
 }
 
@@ -180,10 +170,11 @@ std::array<Eigen::Matrix3d, 3> VirtualArm::axes(const Eigen::Vector3d& direction
   Eigen::Matrix3d before = Eigen::Matrix3d::Identity();
   double before_rad = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double next_rad = direction_rad[static_cast<int>(i)];
+    const double next_rad = direction_rad[i];
     Eigen::Vector2d lean(0.0, 0.0);
     if (arm_.axis_leans_rad) lean += (*arm_.axis_leans_rad)[i];
-    if (arm_.wobble) lean += wobbling(*arm_.wobble, i, next_rad - before_rad);
+    if (arm_.wobble)
+      lean += wobble_rad(next_rad - before_rad, arm_.wobble->sizes[i], arm_.wobble->phases_rad[i]);
     before = axes[i] = before * turned_lean(before_rad, lean);
     before_rad = next_rad;
   }

@@ -77,7 +77,7 @@ class VirtualArm {
   VirtualArm& operator=(const VirtualArm&) = delete;
 
   /// Returns the drive of joint 0, 1 or 2; throws std::out_of_range for others.
-  VirtualDrive& drive(int joint);
+  VirtualDrive& drive(int joint) { return drives_.at(static_cast<std::size_t>(joint)); }
 
   /// Returns true while a drive turns.
   bool moves() const;

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/virtual_cell/virtual_lamps.h"
 
 namespace planar {
 namespace {
@@ -84,7 +83,7 @@ void VirtualBoard::hold_board(int view) {
   for (const int axis : {0, 1}) {
     const double middle = lens_.p_BC()[axis];
     for (double distance = kFarthestM; distance >= 0.0; distance -= 0.01) {
-      X_BG.translation()[axis] = middle + distance * place[static_cast<std::size_t>(axis)];
+      X_BG.translation()[axis] = middle + distance * place[axis];
       if (every_dot_in_view(X_BG)) break;
     }
   }

@@ -6,10 +6,6 @@
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
-#include "planar_servo/virtual_cell/virtual_board.h"
-#include "planar_servo/virtual_cell/virtual_camera.h"
-#include "planar_servo/virtual_cell/virtual_drive.h"
-#include "planar_servo/virtual_cell/virtual_lens.h"
 
 namespace planar {
 namespace {
@@ -115,67 +111,18 @@ const VirtualHardware& checked(const VirtualHardware& hardware) {
 
 }  // namespace
 
-struct VirtualCell::Impl {
-  Impl(const Truth& truth, const VirtualHardware& hardware)
-      : lens(truth.camera, truth.seed),
-        arm(truth, checked(hardware), clock),
-        board(truth, lens, hardware.sensor_px),
-        camera(truth, hardware, lens, arm, board, clock),
-        tracker(truth, hardware, arm, clock),
-        drives({&arm.drive(0), &arm.drive(1), &arm.drive(2)}) {}
-
-  VirtualClock clock;
-  VirtualLens lens;
-  VirtualArm arm;
-  VirtualBoard board;
-  VirtualCamera camera;
-  VirtualTracker tracker;
-  SeparateDrives drives;
-};
-
 VirtualCell::VirtualCell(const Truth& truth, const VirtualHardware& hardware)
-    : impl_(std::make_unique<Impl>(truth, hardware)) {}
-VirtualCell::~VirtualCell() = default;
-
-Clock& VirtualCell::clock() {
-  return impl_->clock;
-}
-FrameSource& VirtualCell::camera() {
-  return impl_->camera;
-}
-PulseDrive& VirtualCell::drive(int joint) {
-  return impl_->arm.drive(joint);
-}
-DriveGroup& VirtualCell::drives() {
-  return impl_->drives;
-}
-Tracker& VirtualCell::tracker() {
-  return impl_->tracker;
-}
-BoardPresenter& VirtualCell::board_presenter() {
-  return impl_->board;
-}
-
-cv::Mat VirtualCell::expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure) {
-  return impl_->camera.expose(region_px, brightness, exposure);
-}
+    : lens_(truth.camera, truth.seed),
+      arm_(truth, checked(hardware), clock_),
+      board_(truth, lens_, hardware.sensor_px),
+      camera_(truth, hardware, lens_, arm_, board_, clock_),
+      tracker_(truth, hardware, arm_, clock_),
+      drives_({&arm_.drive(0), &arm_.drive(1), &arm_.drive(2)}) {}
 
 bool VirtualCell::lay_work(const Eigen::Vector2d& p_B, double turn_rad) {
-  if (impl_->camera.works().empty()) return false;
-  impl_->camera.works().lay_last(p_B, turn_rad);
+  if (camera_.works().empty()) return false;
+  camera_.works().lay_last(p_B, turn_rad);
   return true;
-}
-
-void VirtualCell::turn_motor(int joint, std::int32_t pulses) {
-  impl_->arm.drive(joint).turn_shaft(pulses);
-}
-
-TipPose VirtualCell::true_tip() const {
-  return impl_->arm.tip();
-}
-
-Eigen::Vector2d VirtualCell::true_elbow() const {
-  return impl_->arm.elbow();
 }
 
 }  // namespace planar

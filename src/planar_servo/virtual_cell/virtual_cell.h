@@ -2,19 +2,18 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "planar_servo/base/core/clock.h"
-#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/devices/drive_group.h"
-#include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_arm.h"
+#include "planar_servo/virtual_cell/virtual_board.h"
+#include "planar_servo/virtual_cell/virtual_camera.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
+#include "planar_servo/virtual_cell/virtual_lens.h"
 
 namespace planar {
 
@@ -56,36 +55,42 @@ class VirtualCell {
   /// std::invalid_argument for impossible hardware: an empty sensor, a frame rate or limit that is
   /// not finite and positive, a scale that is zero or not finite, a sense other than +-1.
   VirtualCell(const Truth& truth, const VirtualHardware& hardware);
-  ~VirtualCell();
 
-  Clock& clock();
-  FrameSource& camera();
+  Clock& clock() { return clock_; }
+  FrameSource& camera() { return camera_; }
   /// Returns the drive of joint 0, 1 or 2; throws std::out_of_range for others.
-  PulseDrive& drive(int joint);
-  DriveGroup& drives();
-  Tracker& tracker();
-  BoardPresenter& board_presenter();
+  PulseDrive& drive(int joint) { return arm_.drive(joint); }
+  DriveGroup& drives() { return drives_; }
+  Tracker& tracker() { return tracker_; }
+  BoardPresenter& board_presenter() { return board_; }
 
   // Servers, which show this cell to others as real devices, use these three.
   /// Renders what the camera's sensor sees now; see VirtualCamera::expose().
-  cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure);
+  cv::Mat expose(const cv::Rect& region_px, double brightness, std::uint64_t exposure) {
+    return camera_.expose(region_px, brightness, exposure);
+  }
   /// Lays the last work of the truth elsewhere on its height: its origin at a place in the base
   /// frame. Returns false where there is no work.
   bool lay_work(const Eigen::Vector2d& p_B, double turn_rad);
   /// Turns a motor to a position from outside, without its drive. Pulses count as its drive's did
   /// at first. Steps must be so small that the motor does not turn back on the way.
-  void turn_motor(int joint, std::int32_t pulses);
+  void turn_motor(int joint, std::int32_t pulses) { arm_.drive(joint).turn_shaft(pulses); }
 
   /// Returns, for the scorer of `_truth` figures only, the true end point P in the base frame and
   /// the direction from lamp 1 to lamp 2.
-  TipPose true_tip() const;
+  TipPose true_tip() const { return arm_.tip(); }
 
   /// Returns the true place of the elbow in the base frame, for what the arm may touch.
-  Eigen::Vector2d true_elbow() const;
+  Eigen::Vector2d true_elbow() const { return arm_.elbow(); }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  VirtualClock clock_;
+  VirtualLens lens_;
+  mutable VirtualArm arm_;  ///< catches up with the clock when it is looked at
+  VirtualBoard board_;
+  VirtualCamera camera_;
+  VirtualTracker tracker_;
+  SeparateDrives drives_;
 };
 
 }  // namespace planar

@@ -1,8 +1,6 @@
 #include "planar_servo/virtual_cell/virtual_drive.h"
 
 #include <algorithm>
-#include <cmath>
-#include <stdexcept>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"

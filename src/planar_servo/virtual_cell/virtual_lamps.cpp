@@ -209,13 +209,6 @@ VirtualLamps::VirtualLamps(const Truth& truth)
   if (tip_) tip_lamp_.diameter_m = tip_->diameter_m;
 }
 
-std::optional<Light> VirtualLamps::render(const Pose& X_BT, const VirtualLens& lens,
-                                          double t_s) const {
-  const std::vector<SeenLamp> seen = see_tool(X_BT, lens, t_s);
-  if (seen.empty()) return std::nullopt;
-  return light_of(seen, blur_px_);
-}
-
 std::vector<std::vector<Eigen::Vector2d>> VirtualLamps::housings_px(const Pose& X_BT,
                                                                     const VirtualLens& lens,
                                                                     double t_s) const {

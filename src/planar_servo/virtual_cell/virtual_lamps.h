@@ -56,16 +56,12 @@ class VirtualLamps {
  public:
   explicit VirtualLamps(const Truth& truth);
 
-  /// Renders both lamps of the tool at X_BT. Returns nothing when no lamp is in front of the
-  /// camera.
-  std::optional<Light> render(const Pose& X_BT, const VirtualLens& lens, double t_s) const;
-
   /// Returns the outlines of what the tool's lamps sit in, which hides what lies below them.
   std::vector<std::vector<Eigen::Vector2d>> housings_px(const Pose& X_BT, const VirtualLens& lens,
                                                         double t_s) const;
 
-  /// Renders the lamps of the tool first, then those that are fixed to the base. Lights that
-  /// overlap are merged.
+  /// Renders the lamps of the tool at X_BT first, then those that are fixed to the base. Lights
+  /// that overlap are merged.
   std::vector<Light> render_all(const Pose& X_BT, const VirtualLens& lens, double t_s) const;
 
  private:

@@ -48,20 +48,13 @@ Outline square(const Eigen::Vector2d& center, double side_m) {
 
 Outline cross(const Eigen::Vector2d& center, double size_m) {
   const double a = 0.5 * size_m, b = a / 5.0;  // arms of a fifth of the length
+  Eigen::Vector2d corners[] = {{a, b}, {b, b}, {b, a}};
   Outline points;
-  for (const auto& [x, y] : {std::pair{a, b},
-                             {b, b},
-                             {b, a},
-                             {-b, a},
-                             {-b, b},
-                             {-a, b},
-                             {-a, -b},
-                             {-b, -b},
-                             {-b, -a},
-                             {b, -a},
-                             {b, -b},
-                             {a, -b}})
-    points.emplace_back(center + Eigen::Vector2d(x, y));
+  for (int quarter = 0; quarter < 4; ++quarter)
+    for (Eigen::Vector2d& corner : corners) {
+      points.emplace_back(center + corner);
+      corner = Eigen::Vector2d(-corner.y(), corner.x());
+    }
   return points;
 }
 

@@ -169,13 +169,6 @@ class Matcher {
   std::vector<std::vector<std::size_t>> fitting_;  ///< candidates of each mark
 };
 
-std::string names_of_marks(const std::vector<Fiducial>& drawing,
-                           const std::vector<std::size_t>& marks) {
-  std::string text;
-  for (const std::size_t mark : marks) text += (text.empty() ? "" : ", ") + drawing[mark].id;
-  return text;
-}
-
 /// Says how many candidates there are of each kind of mark that the drawing has.
 std::string counts_text(const std::vector<Fiducial>& drawing,
                         const std::vector<MarkCandidate>& candidates) {
@@ -252,13 +245,13 @@ std::vector<Constellation> match_constellation(const std::vector<Fiducial>& draw
   }
   // Two of several marks lie anywhere by chance.
   if (seen < std::min<std::size_t>(drawing.size(), 3)) {
-    std::vector<std::size_t> unseen;
+    std::string unlike;
     for (std::size_t i = 0; i < drawing.size(); ++i)
-      if (matcher.candidates_of(i) == 0) unseen.push_back(i);
+      if (matcher.candidates_of(i) == 0) unlike += (unlike.empty() ? "" : ", ") + drawing[i].id;
     throw WorkError(
         {fmt::format("the drawing is found nowhere{}: {}{}", place ? " near the given place" : "",
                      counts_text(drawing, candidates),
-                     unseen.empty() ? "" : "; none is like " + names_of_marks(drawing, unseen)),
+                     unlike.empty() ? "" : "; none is like " + unlike),
          "compare the drawing's distances, kinds and sizes with the work, see that nothing hides "
          "its marks, and expose the picture so that they stand out"});
   }

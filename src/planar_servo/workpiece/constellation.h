@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "planar_servo/base/core/pose.h"

@@ -6,6 +6,7 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/lamps/blob.h"
 #include "planar_servo/lamps/lamp.h"
@@ -139,8 +140,6 @@ std::vector<FiducialSight> find_parts(const cv::Mat& image, FiducialKind kind, d
   return found;
 }
 
-// ------------------------------------------------------------------------------- chess corners
-
 /// Returns the determinant of the grey levels' second derivatives with its sign changed, which is
 /// large at saddles.
 cv::Mat1f saddles(const cv::Mat& image, double blur_px) {
@@ -205,15 +204,11 @@ std::vector<FiducialSight> find_chess_corners(const cv::Mat& image, double size_
   return found;
 }
 
-// ----------------------------------------------------------------------------------- AprilTags
-
 FiducialSight tag_sight(int number, const std::vector<cv::Point2f>& corners) {
   const auto at = [&](std::size_t i) { return Eigen::Vector2d(corners[i].x, corners[i].y); };
   // The diagonals of a square meet in its centre's image.
   const Eigen::Vector2d first = at(2) - at(0), second = at(3) - at(1);
-  const double cross = first.x() * second.y() - first.y() * second.x();
-  const Eigen::Vector2d apart = at(1) - at(0);
-  const double along = (apart.x() * second.y() - apart.y() * second.x()) / cross;
+  const double along = cross2d(at(1) - at(0), second) / cross2d(first, second);
   return {at(0) + along * first, Eigen::Matrix2d::Zero(),
           0.25 * ((at(1) - at(0)).norm() + (at(2) - at(1)).norm() + (at(3) - at(2)).norm() +
                   (at(0) - at(3)).norm()),
@@ -237,8 +232,6 @@ std::vector<FiducialSight> find_tags(const cv::Mat& image, double size_px) {
   }
   return found;
 }
-
-// ------------------------------------------------------------------------------------- measuring
 
 /// A part of the image around a mark.
 struct Crop {

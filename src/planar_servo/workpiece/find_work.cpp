@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
 
-#include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
@@ -72,6 +73,42 @@ Workplane plane_at(const Workplane& lamps, double z) {
                                "plane, {:g} mm over that of the lamps",
                                mark.id, mm(mark.z)),
                    "correct z_mm"});
+}
+
+/// Where vision sees marks at these pixels, as seen at calibration, at their heights over the
+/// lamps' plane: only what the lens does is taken off (theory section 20). The covariance has the
+/// marks' own noise `own_px2`, the doubt about the height, and that about the lens.
+WorkMarks marks_on_plane(const VisionCalibration& vision, const std::vector<Fiducial>& fiducials,
+                         const std::vector<Eigen::Vector2d>& uv_px,
+                         const std::vector<Eigen::Matrix2d>& own_px2) {
+  const auto n = static_cast<Eigen::Index>(fiducials.size());
+  const Eigen::Vector3d p_WC = vision.workplane.X_WC().translation();
+  Points seen(fiducials.size());
+  std::vector<Eigen::Matrix2d> slopes(fiducials.size());
+  for (std::size_t i = 0; i < fiducials.size(); ++i) {
+    const auto s = vision.workplane.plane_from_pixel(uv_px[i], &slopes[i]);
+    if (!s) refuse_outside(fiducials[i]);
+    seen[i] = *s;
+  }
+  const LensError lens = lens_error(vision, seen);
+  WorkMarks marks{
+      {}, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n), Eigen::MatrixXd::Zero(2 * n, 2 * n), {}};
+  Eigen::MatrixXd shared(2 * n, lens.factor.cols() + 1);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double left = 1.0 - fiducials[k].z / p_WC.z();
+    const Eigen::Vector2d s = seen[k] - lens.error.col(i);
+    const Eigen::Vector2d raised = (s - p_WC.head<2>()) / p_WC.z();
+    marks.ids.push_back(fiducials[k].id);
+    marks.p_W.col(i) = fiducials[k].p_W;
+    marks.p_B.col(i) = s - fiducials[k].z * raised;
+    marks.own.block<2, 2>(2 * i, 2 * i) =
+        left * left * slopes[k] * own_px2[k] * slopes[k].transpose();
+    shared.middleRows<2>(2 * i) << left * lens.factor.middleRows<2>(2 * i),
+        -fiducials[k].sigma_z * raised;
+  }
+  marks.shared = shared * shared.transpose();
+  return marks;
 }
 
 /// The marks of a picture, and the light that moves them.
@@ -227,90 +264,8 @@ MeasuredMarks measure_marks(const Constellation& constellation,
 /// tell it, whose place is free.
 void add_lamps_share(WorkMarks& marks, const VisionCalibration& vision) {
   const auto n = marks.p_B.cols();
-  const double variance =
-      std::pow(lamps_shift_sigma(vision.workplane, marks.p_B.rowwise().mean()), 2);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index k = 0; k < n; ++k)
-      marks.shared.block<2, 2>(2 * i, 2 * k) += variance * Eigen::Matrix2d::Identity();
-}
-
-FoundWork work_at(const Constellation& constellation, const std::vector<MarkCandidate>& candidates,
-                  const std::vector<Picture>& pictures, const VisionCalibration& vision,
-                  const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
-  auto [means, marks] = measure_marks(constellation, candidates, pictures, vision, drawing);
-  add_lamps_share(marks, vision);
-  const WorkFit fit =
-      fit_to_drawing(marks, settings.drawing_sigma, settings.allowed, vision, drawing.front().z);
-  FoundWork work;
-  work.pose = fit.pose;
-  work.chance = fit.chance();
-  for (std::size_t i = 0; i < drawing.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    const double scale = px_per_m(plane_at(vision.workplane, drawing[i].z), marks.p_B.col(at));
-    work.fiducials.push_back({drawing[i], means[i].uv_px, marks.p_B.col(at), fit.residuals.col(at),
-                              per_axis(marks.covariance().block<2, 2>(2 * at, 2 * at)),
-                              is_round(drawing[i].kind) ? means[i].size_px / scale : 0.0});
-  }
-  return work;
-}
-
-/// Says what a person should know of a work that was found.
-void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCalibration& vision) {
-  if (work.fiducials.size() == 2) {
-    const auto& [first, second] = std::pair(work.fiducials[0], work.fiducials[1]);
-    const double power = 4.0 * std::sqrt(2.0) *
-                         std::hypot(settings.drawing_sigma, std::max(first.sigma, second.sigma));
-    work.remarks.push_back(fmt::format(
-        "two marks have one check, their distance: a mark that is off by less than {:.3f} mm along "
-        "their line, or by anything across it, is not noticed",
-        mm(power)));
-  }
-  if (!vision.error_map)
-    work.remarks.emplace_back(
-        "vision is not compensated; what the lens model leaves is not in the uncertainty");
-  else if (std::holds_alternative<ErrorMap>(*vision.error_map))
-    work.remarks.emplace_back(
-        "the error map does not tell the lens from the lamps: nothing is taken off the marks, and "
-        "its error stands in their uncertainty");
-  else
-    work.remarks.emplace_back(
-        "a shift common to all marks, of what the error map has of the lamps instead of the lens, "
-        "stands in the uncertainty");
-}
-
-void number_works(std::vector<FoundWork>& works) {
-  // From left to right, row by row, as a person reads a panel.
-  std::sort(works.begin(), works.end(), [](const FoundWork& a, const FoundWork& b) {
-    return std::make_pair(a.pose.t.x(), a.pose.t.y()) < std::make_pair(b.pose.t.x(), b.pose.t.y());
-  });
-  if (works.size() == 1) return;
-  for (std::size_t i = 0; i < works.size(); ++i) works[i].id = std::to_string(i + 1);
-}
-
-[[noreturn]] void refuse_ambiguous(const std::vector<Constellation>& found) {
-  std::string places;
-  for (const Constellation& place : found)
-    places += fmt::format("{}{} turned by {:.1f} deg", places.empty() ? "" : "; ",
-                          place_mm(place.X_BW.translation()),
-                          std::atan2(place.X_BW(1, 0), place.X_BW(0, 0)) / kDegree);
-  throw WorkError(
-      {fmt::format("the drawing fits in {} ways; its origin would be at {}", found.size(), places),
-       "say with --near X,Y,TURN which one is meant, take --all where each is a work "
-       "of its own, or give the drawing a mark that breaks its symmetry"});
-}
-
-/// Returns whether two of these places share a mark, so that not each can be a work of its own.
-bool share_marks(const std::vector<Constellation>& found) {
-  std::vector<std::size_t> all;
-  for (const Constellation& place : found)
-    all.insert(all.end(), place.candidates.begin(), place.candidates.end());
-  std::sort(all.begin(), all.end());
-  return std::adjacent_find(all.begin(), all.end()) != all.end();
-}
-
-WorkMarks with_drawing_noise(WorkMarks marks, double sigma) {
-  marks.own.diagonal().array() += sigma * sigma;
-  return marks;
+  const double sigma = lamps_shift_sigma(vision.workplane, marks.p_B.rowwise().mean());
+  marks.shared += (sigma * sigma * Eigen::Matrix2d::Identity()).replicate(n, n);
 }
 
 /// Says how far the marks' scale is from the drawing's, and which height would explain it.
@@ -338,50 +293,13 @@ WorkMarks with_drawing_noise(WorkMarks marks, double sigma) {
        "the drawing with --drawing-sigma-mm"});
 }
 
-}  // namespace
-
-double lamps_shift_sigma(const Workplane& plane, const Eigen::Vector2d& p_B) {
-  constexpr double kLamps_px = 0.03;
-  const double scale = px_per_m(plane, p_B);
-  return scale > 0.0 ? kLamps_px / scale : 0.0;
-}
-
-WorkMarks marks_on_plane(const VisionCalibration& vision, const std::vector<Fiducial>& fiducials,
-                         const std::vector<Eigen::Vector2d>& uv_px,
-                         const std::vector<Eigen::Matrix2d>& own_px2) {
-  const auto n = static_cast<Eigen::Index>(fiducials.size());
-  const Eigen::Vector3d p_WC = vision.workplane.X_WC().translation();
-  Points seen(fiducials.size());
-  std::vector<Eigen::Matrix2d> slopes(fiducials.size());
-  for (std::size_t i = 0; i < fiducials.size(); ++i) {
-    const auto s = vision.workplane.plane_from_pixel(uv_px[i], &slopes[i]);
-    if (!s) refuse_outside(fiducials[i]);
-    seen[i] = *s;
-  }
-  const LensError lens = lens_error(vision, seen);
-  WorkMarks marks{
-      {}, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n), Eigen::MatrixXd::Zero(2 * n, 2 * n), {}};
-  Eigen::MatrixXd shared(2 * n, lens.factor.cols() + 1);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double left = 1.0 - fiducials[k].z / p_WC.z();
-    const Eigen::Vector2d s = seen[k] - lens.error.col(i);
-    const Eigen::Vector2d raised = (s - p_WC.head<2>()) / p_WC.z();
-    marks.ids.push_back(fiducials[k].id);
-    marks.p_W.col(i) = fiducials[k].p_W;
-    marks.p_B.col(i) = s - fiducials[k].z * raised;
-    marks.own.block<2, 2>(2 * i, 2 * i) =
-        left * left * slopes[k] * own_px2[k] * slopes[k].transpose();
-    shared.middleRows<2>(2 * i) << left * lens.factor.middleRows<2>(2 * i),
-        -fiducials[k].sigma_z * raised;
-  }
-  marks.shared = shared * shared.transpose();
-  return marks;
-}
-
+/// Fits the most general map that is allowed and that the marks demand. Throws WorkError naming a
+/// mark that contradicts the others, a scale that only a wrong height or another drawing explains,
+/// or marks that do not fit the drawing. `sigma` is WorkSettings::drawing_sigma.
 WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
                        const VisionCalibration& vision, double z) {
-  const WorkMarks doubted = with_drawing_noise(marks, sigma);
+  WorkMarks doubted = marks;
+  doubted.own.diagonal().array() += sigma * sigma;
   const std::optional<WorkFit> rigid = fit_work(doubted, WorkMap::kRigid);
   if (!rigid)
     throw WorkError(Refusal{"the marks do not determine where the work lies",
@@ -413,6 +331,98 @@ WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
   refuse_misfit(marks, *rigid);
 }
 
+FoundWork work_at(const Constellation& constellation, const std::vector<MarkCandidate>& candidates,
+                  const std::vector<Picture>& pictures, const VisionCalibration& vision,
+                  const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
+  auto [means, marks] = measure_marks(constellation, candidates, pictures, vision, drawing);
+  add_lamps_share(marks, vision);
+  const WorkFit fit =
+      fit_to_drawing(marks, settings.drawing_sigma, settings.allowed, vision, drawing.front().z);
+  FoundWork work;
+  work.pose = fit.pose;
+  work.chance = fit.chance();
+  for (std::size_t i = 0; i < drawing.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const double scale = px_per_m(plane_at(vision.workplane, drawing[i].z), marks.p_B.col(at));
+    work.fiducials.push_back({drawing[i], means[i].uv_px, marks.p_B.col(at), fit.residuals.col(at),
+                              per_axis(marks.covariance().block<2, 2>(2 * at, 2 * at)),
+                              is_round(drawing[i].kind) ? means[i].size_px / scale : 0.0});
+  }
+  return work;
+}
+
+void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCalibration& vision) {
+  if (work.fiducials.size() == 2) {
+    const auto& [first, second] = std::pair(work.fiducials[0], work.fiducials[1]);
+    const double power = 4.0 * std::sqrt(2.0) *
+                         std::hypot(settings.drawing_sigma, std::max(first.sigma, second.sigma));
+    work.remarks.push_back(fmt::format(
+        "two marks have one check, their distance: a mark that is off by less than {:.3f} mm along "
+        "their line, or by anything across it, is not noticed",
+        mm(power)));
+  }
+  if (!vision.error_map)
+    work.remarks.emplace_back(
+        "vision is not compensated; what the lens model leaves is not in the uncertainty");
+  else if (std::holds_alternative<ErrorMap>(*vision.error_map))
+    work.remarks.emplace_back(
+        "the error map does not tell the lens from the lamps: nothing is taken off the marks, and "
+        "its error stands in their uncertainty");
+  else
+    work.remarks.emplace_back(
+        "a shift common to all marks, of what the error map has of the lamps instead of the lens, "
+        "stands in the uncertainty");
+}
+
+/// Numbers works by columns along x, and within a column along y. One that lies less than half a
+/// drawing beside its neighbour is of its column, so that a look again numbers them alike.
+void number_works(std::vector<FoundWork>& works, const std::vector<Fiducial>& drawing) {
+  if (works.size() == 1) return;
+  Eigen::AlignedBox2d drawn;
+  for (const Fiducial& mark : drawing)
+    drawn.extend(Eigen::AlignedBox2d(mark.p_W.array() - mark.size, mark.p_W.array() + mark.size));
+  const double same_column = 0.5 * drawn.sizes().minCoeff();
+  const auto x = [](const FoundWork& work) { return work.pose.t.x(); };
+  const auto y = [](const FoundWork& work) { return work.pose.t.y(); };
+  std::sort(works.begin(), works.end(),
+            [&](const FoundWork& a, const FoundWork& b) { return x(a) < x(b); });
+  for (auto first = works.begin(), last = first; first != works.end(); first = last) {
+    while (++last != works.end() && x(*last) - x(*(last - 1)) < same_column) {
+    }
+    std::sort(first, last, [&](const FoundWork& a, const FoundWork& b) { return y(a) < y(b); });
+  }
+  for (std::size_t i = 0; i < works.size(); ++i) works[i].id = std::to_string(i + 1);
+}
+
+[[noreturn]] void refuse_ambiguous(const std::vector<Constellation>& found) {
+  std::string places;
+  for (const Constellation& place : found)
+    places += fmt::format("{}{} turned by {:.1f} deg", places.empty() ? "" : "; ",
+                          place_mm(place.X_BW.translation()),
+                          std::atan2(place.X_BW(1, 0), place.X_BW(0, 0)) / kDegree);
+  throw WorkError(
+      {fmt::format("the drawing fits in {} ways; its origin would be at {}", found.size(), places),
+       "say with --near X,Y,TURN which one is meant, take --all where each is a work "
+       "of its own, or give the drawing a mark that breaks its symmetry"});
+}
+
+/// Returns whether two of these places share a mark, so that not each can be a work of its own.
+bool share_marks(const std::vector<Constellation>& found) {
+  std::vector<std::size_t> all;
+  for (const Constellation& place : found)
+    all.insert(all.end(), place.candidates.begin(), place.candidates.end());
+  std::sort(all.begin(), all.end());
+  return std::adjacent_find(all.begin(), all.end()) != all.end();
+}
+
+}  // namespace
+
+double lamps_shift_sigma(const Workplane& plane, const Eigen::Vector2d& p_B) {
+  constexpr double kLamps_px = 0.03;
+  const double scale = px_per_m(plane, p_B);
+  return scale > 0.0 ? kLamps_px / scale : 0.0;
+}
+
 std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionCalibration& vision,
                                  const std::vector<Fiducial>& drawing,
                                  const WorkSettings& settings) {
@@ -425,7 +435,7 @@ std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionC
     works.push_back(work_at(constellation, candidates, pictures, vision, drawing, settings));
     add_remarks(works.back(), settings, vision);
   }
-  number_works(works);
+  number_works(works, drawing);
   return works;
 }
 
@@ -471,9 +481,19 @@ std::vector<FoundFiducial> see_like(const std::vector<Frame>& frames,
         marks_on_plane(vision, {form}, {means[0].uv_px}, {means[0].covariance_px2});
     found.push_back({form, means[0].uv_px, marks.p_B.col(0), Eigen::Vector2d::Zero(),
                      per_axis(marks.covariance()), candidate.size});
+    if (form.kind == FiducialKind::kAprilTag)
+      found.back().fiducial.id = std::to_string(candidate.sight.tag);
   }
   return found;
 }
+
+namespace {
+
+bool is_same_tag(const Fiducial& mark, const Fiducial& seen) {
+  return mark.kind != FiducialKind::kAprilTag || tag_number(mark.id) == tag_number(seen.id);
+}
+
+}  // namespace
 
 std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
                                      const VisionCalibration& vision,
@@ -486,7 +506,8 @@ std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
     if (is_new) seen->second = see_like(frames, vision, mark);
     std::vector<FoundFiducial> near;
     for (const FoundFiducial& one : seen->second)
-      if ((one.p_B - mark.p_W).norm() < kNear) near.push_back(one);
+      if ((one.p_B - mark.p_W).norm() < kNear && is_same_tag(mark, one.fiducial))
+        near.push_back(one);
     if (near.size() > 1)
       throw WorkError({fmt::format("{} of the base could be any of {} marks within {:g} mm of {}",
                                    mark.id, near.size(), mm(kNear), place_mm(mark.p_W)),

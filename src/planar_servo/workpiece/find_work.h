@@ -51,19 +51,6 @@ struct LaidWorks {
   std::vector<FoundWork> works;
 };
 
-/// Where vision sees marks at these pixels, as seen at calibration, at their heights over the
-/// lamps' plane: only what the lens does is taken off (theory section 20). The covariance has the
-/// marks' own noise `own_px2`, the doubt about the height, and that about the lens.
-WorkMarks marks_on_plane(const VisionCalibration& vision, const std::vector<Fiducial>& fiducials,
-                         const std::vector<Eigen::Vector2d>& uv_px,
-                         const std::vector<Eigen::Matrix2d>& own_px2);
-
-/// Fits the most general map that is allowed and that the marks demand. Throws WorkError naming a
-/// mark that contradicts the others, a scale that only a wrong height or another drawing explains,
-/// or marks that do not fit the drawing. `sigma` is WorkSettings::drawing_sigma.
-WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
-                       const VisionCalibration& vision, double z);
-
 /// Finds the workpieces of a drawing in whole frames of a scene at rest. Throws WorkError when
 /// there is none, when it fits in several ways and not all of them are wanted, and when its marks
 /// contradict the drawing.
@@ -89,7 +76,7 @@ std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCal
                                const std::vector<Fiducial>& bar);
 
 /// Measures everything in whole frames of a scene at rest that looks like this mark, wherever it
-/// is. Returns places as FoundFiducial has them, without residuals.
+/// is. Returns places as FoundFiducial has them, without residuals; the id of a tag is its number.
 std::vector<FoundFiducial> see_like(const std::vector<Frame>& frames,
                                     const VisionCalibration& vision, const Fiducial& form);
 

@@ -113,7 +113,6 @@ std::optional<WorkFit> fit_work(const WorkMarks& marks, WorkMap map) {
   for (std::size_t i = 0; i < marks.size(); ++i)
     rows.middleRows<2>(static_cast<Eigen::Index>(2 * i)) =
         rows_at(marks.p_W.col(static_cast<Eigen::Index>(i)));
-
   WorkFit fit;
   fit.pose = start_of(marks);
   fit.pose.map = map;

@@ -45,7 +45,6 @@ struct WorkMarks {
   Eigen::MatrixXd covariance() const { return own + shared; }
 
   std::size_t size() const { return ids.size(); }
-  /// Returns all marks but this one.
   WorkMarks without(std::size_t left_out) const;
 };
 

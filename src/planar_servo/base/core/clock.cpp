@@ -3,7 +3,6 @@
 #include <fmt/chrono.h>
 
 #include <chrono>
-#include <ctime>
 #include <thread>
 
 namespace planar {

@@ -62,16 +62,14 @@ Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& A, const Eigen::Vecto
 }
 
 Eigen::MatrixXd orthonormal_span(const Eigen::MatrixXd& A, double threshold) {
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
   qr.setThreshold(threshold);
-  qr.compute(A);
   return qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), qr.rank());
 }
 
 std::optional<Eigen::VectorXd> leverages(const Eigen::MatrixXd& A, double threshold) {
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
   qr.setThreshold(threshold);
-  qr.compute(A);
   if (qr.rank() < A.cols()) return std::nullopt;
   const Eigen::MatrixXd thin_q = qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), A.cols());
   return thin_q.rowwise().squaredNorm();

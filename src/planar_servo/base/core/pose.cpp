@@ -1,7 +1,6 @@
 #include "planar_servo/base/core/pose.h"
 
 #include <Eigen/LU>
-#include <cmath>
 #include <stdexcept>
 
 #include "planar_servo/base/core/decompositions.h"

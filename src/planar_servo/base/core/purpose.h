@@ -25,7 +25,6 @@ constexpr Named<Purpose> kPurposes[] = {
     {Purpose::kControl, "control"}, {Purpose::kCheck, "check"},
     {Purpose::kPose, "pose"}};
 
-/// Returns the word that files have for it.
 inline const char* name(Purpose plan) {
   return name_in(kPurposes, plan);
 }
@@ -43,7 +42,7 @@ constexpr bool needs_reading(Purpose plan) {
 /// The state of a place that is to be recorded.
 enum class PlaceMark { kToDo, kDone, kLeftOut };
 
-/// All marks with the words that the page has for them.
+/// The words that the page has for them.
 constexpr Named<PlaceMark> kPlaceMarks[] = {
     {PlaceMark::kToDo, "to_do"}, {PlaceMark::kDone, "done"}, {PlaceMark::kLeftOut, "left_out"}};
 

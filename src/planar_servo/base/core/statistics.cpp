@@ -92,12 +92,10 @@ std::optional<std::pair<double, double>> median_interval(std::vector<double> val
   return quantile_interval(std::move(values), 0.5, confidence);
 }
 
-double robust_sigma(const std::vector<double>& values) {
+double robust_sigma(std::vector<double> values) {
   const double centre = median(values);
-  std::vector<double> deviations;
-  deviations.reserve(values.size());
-  for (const double v : values) deviations.push_back(std::abs(v - centre));
-  return kNormalPerMad * median(std::move(deviations));
+  for (double& value : values) value = std::abs(value - centre);
+  return kNormalPerMad * median(std::move(values));
 }
 
 double correlation(const std::vector<double>& a, const std::vector<double>& b) {

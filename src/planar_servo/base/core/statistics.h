@@ -26,8 +26,7 @@ struct Summary {
   double max{0.0};
 };
 
-/// Return the mean, root mean square and median. These and all functions below throw
-/// std::invalid_argument for an empty set.
+/// These and all functions below throw std::invalid_argument for an empty set.
 double mean(const std::vector<double>& values);
 double rms(const std::vector<double>& values);
 double median(std::vector<double> values);
@@ -53,7 +52,7 @@ constexpr double kNormalPerMad = 1.4826;
 
 /// Returns kNormalPerMad * median |v - median v|: the standard deviation of normal data, hardly
 /// affected by outliers.
-double robust_sigma(const std::vector<double>& values);
+double robust_sigma(std::vector<double> values);
 
 /// Returns Pearson's correlation of two sets of the same size, or NaN when one of them does not
 /// vary.

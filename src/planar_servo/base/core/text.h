@@ -50,8 +50,7 @@ std::vector<std::string> names_of(const Named<Enum> (&table)[N]) {
   return names;
 }
 
-/// Writes `value` in decimal notation with this many decimal places, never as a negative zero
-/// ("-0.000").
+/// Writes `value` with this many decimal places, never as a negative zero ("-0.000").
 std::string fixed(double value, int places);
 
 /// Writes each value with this many decimal places, with `separator` between them.
@@ -61,17 +60,15 @@ std::string fixed(const Eigen::Ref<const Eigen::VectorXd>& values, int places,
 /// Writes a position (metres) in millimetres to the micrometre: "(123.456, -7.000) mm".
 std::string place_mm(const Eigen::Vector2d& p);
 
-/// Writes a time as roughly as it can be estimated: "about 40 s", "about 12 min", "about 2 h 10
-/// min".
+/// Writes a time as roughly as it can be estimated: "about 40 s", "about 2 h 10 min".
 std::string about_time(double seconds);
 
 /// Returns the text for a terminal: every control character but the line end and the tabulator is
 /// written as `\x1b`, so that what stands in a file or comes from a port controls no terminal.
 std::string visible(std::string_view text);
 
-/// Returns the word most similar to this one, the first of several. They may differ
-/// by a letter in three, and by two letters at most; two letters in each other's place count once.
-/// Empty when no word is as like.
+/// Returns the word most similar to this one, the first of several; empty when they differ by more
+/// than a letter in three or than two letters. Two letters in each other's place count once.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& words);
 
 }  // namespace planar

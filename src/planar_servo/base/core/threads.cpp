@@ -1,7 +1,5 @@
 #include "planar_servo/base/core/threads.h"
 
-#include <utility>
-
 #include "planar_servo/base/core/clock.h"
 
 namespace planar {

@@ -6,23 +6,17 @@
 #include <stdexcept>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 
 const char* name(FrameStatus status) {
-  switch (status) {
-    case FrameStatus::kOk:
-      return "ok";
-    case FrameStatus::kTimeout:
-      return "no_frame";
-    case FrameStatus::kIncomplete:
-      return "incomplete_frame";
-    case FrameStatus::kFrozen:
-      return "frozen_frame";
-    case FrameStatus::kLost:
-      return "camera_lost";
-  }
-  throw std::invalid_argument("unknown FrameStatus");
+  constexpr Named<FrameStatus> kFrameStatuses[] = {{FrameStatus::kOk, "ok"},
+                                                   {FrameStatus::kTimeout, "no_frame"},
+                                                   {FrameStatus::kIncomplete, "incomplete_frame"},
+                                                   {FrameStatus::kFrozen, "frozen_frame"},
+                                                   {FrameStatus::kLost, "camera_lost"}};
+  return name_in(kFrameStatuses, status);
 }
 
 FrameCounts operator-(const FrameCounts& now, const FrameCounts& before) {
@@ -33,8 +27,7 @@ FrameCounts operator-(const FrameCounts& now, const FrameCounts& before) {
 std::string describe(const FrameCounts& counts) {
   return fmt::format(
       "{} whole frames; left out: {} with parts missing, {} repeated; the camera was lost and "
-      "found "
-      "{} time{}",
+      "found {} time{}",
       counts.complete, counts.incomplete, counts.frozen, counts.reopened,
       counts.reopened == 1 ? "" : "s");
 }

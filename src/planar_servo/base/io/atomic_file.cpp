@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <set>
@@ -24,7 +23,6 @@ namespace {
 
 constexpr int kHeadLines = 4;
 constexpr int kEndBytes = 4096;
-constexpr std::string_view kPictureBegin = "P5";
 constexpr std::string_view kNumpyBegin = "\x93NUMPY";
 
 /// Takes off the first of these beginnings that the text has. Returns whether it has one.
@@ -59,51 +57,6 @@ bool write_all(int file, std::string_view text) {
 bool sync(int file) {
   return fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP;
 }
-
-}  // namespace
-
-std::string_view kind_of_text(std::string_view text) {
-  if (text.substr(0, 2) == kPictureBegin) return "image";
-  if (text.substr(0, kNumpyBegin.size()) == kNumpyBegin)
-    text.remove_prefix(std::min(text.find("format: "), text.size()));
-  const std::string_view last_line = text.substr(text.rfind('\n', text.size() - 2) + 1);
-  for (int i = 0; i < kHeadLines && !text.empty(); ++i) {
-    const std::size_t length = std::min(text.find('\n'), text.size() - 1) + 1;
-    const std::string_view kind = kind_of_line(text.substr(0, length));
-    if (!kind.empty()) return kind;
-    text.remove_prefix(length);
-  }
-  return kind_of_line(last_line);
-}
-
-std::string with_format_key(const std::string& kind, const std::string& object) {
-  const std::string rest = object.substr(object.find('{') + 1);
-  return fmt::format("{{\n  \"format\": \"planar-servo/{}/1\"{}{}\n", kind,
-                     rest.find('"') == std::string::npos ? "\n" : ",", rest);
-}
-
-std::string format_comment(const std::string& kind) {
-  return fmt::format("<!-- format: planar-servo/{}/1 -->\n", kind);
-}
-
-std::string format_remark(const std::string& kind) {
-  return fmt::format("% format: planar-servo/{}/1\n", kind);
-}
-
-bool write_and_close(int file, std::string_view text, Durability durability) {
-  const bool done = write_all(file, text) && (durability == Durability::kCrash || sync(file));
-  return close(file) == 0 && done;
-}
-
-bool sync_folder(const std::filesystem::path& folder) {
-  const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) return errno == EACCES;  // a folder may be closed to readers and open to writers
-  const bool done = sync(file);
-  close(file);
-  return done;
-}
-
-namespace {
 
 /// Opens a file that is not there yet. What stands there under its name is removed, not followed:
 /// it is what a program that crashed left behind, or a link that somebody planted.
@@ -160,7 +113,68 @@ void require_kind(const fs::path& path, std::string_view kind) {
                     "name another file, or remove that one", path});
 }
 
+bool ends_with_line(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return !in.seekg(-1, std::ios::end) || in.get() == '\n';
+}
+
+[[noreturn]] void refuse_table(const fs::path& path) {
+  throw InputError({"holds something else already",
+                    "move it away, or name another file; another version of this program may have "
+                    "written it, with other columns",
+                    path});
+}
+
+/// Throws unless the file begins with the header's first line and has its last, the columns.
+void require_table(const fs::path& path, const std::string& header) {
+  const std::string text = read_file(path);
+  const std::size_t columns = header.substr(0, header.size() - 1).rfind('\n') + 1;
+  const bool begins_so = text.rfind(header.substr(0, header.find('\n')), 0) == 0;
+  if (!begins_so || text.find(header.substr(columns)) == std::string::npos) refuse_table(path);
+}
+
 }  // namespace
+
+std::string_view kind_of_text(std::string_view text) {
+  if (text.substr(0, 2) == "P5") return "image";
+  if (text.substr(0, kNumpyBegin.size()) == kNumpyBegin)
+    text.remove_prefix(std::min(text.find("format: "), text.size()));
+  const std::string_view last_line = text.substr(text.rfind('\n', text.size() - 2) + 1);
+  for (int i = 0; i < kHeadLines && !text.empty(); ++i) {
+    const std::size_t length = std::min(text.find('\n'), text.size() - 1) + 1;
+    const std::string_view kind = kind_of_line(text.substr(0, length));
+    if (!kind.empty()) return kind;
+    text.remove_prefix(length);
+  }
+  return kind_of_line(last_line);
+}
+
+std::string with_format_key(const std::string& kind, const std::string& object) {
+  const std::string rest = object.substr(object.find('{') + 1);
+  return fmt::format("{{\n  \"format\": \"planar-servo/{}/1\"{}{}\n", kind,
+                     rest.find('"') == std::string::npos ? "\n" : ",", rest);
+}
+
+std::string format_comment(const std::string& kind) {
+  return fmt::format("<!-- format: planar-servo/{}/1 -->\n", kind);
+}
+
+std::string format_remark(const std::string& kind) {
+  return fmt::format("% format: planar-servo/{}/1\n", kind);
+}
+
+bool write_and_close(int file, std::string_view text, Durability durability) {
+  const bool done = write_all(file, text) && (durability == Durability::kCrash || sync(file));
+  return close(file) == 0 && done;
+}
+
+bool sync_folder(const std::filesystem::path& folder) {
+  const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return errno == EACCES;  // a folder may be closed to readers and open to writers
+  const bool done = sync(file);
+  close(file);
+  return done;
+}
 
 void require_no_link(const fs::path& path) {
   std::error_code error;
@@ -264,35 +278,19 @@ FolderLock::~FolderLock() {
   close(descriptor_);
 }
 
-namespace fs = std::filesystem;
-
 namespace {
 
-bool ends_with_line(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return !in.seekg(-1, std::ios::end) || in.get() == '\n';
-}
-
-[[noreturn]] void refuse_table(const fs::path& path) {
-  throw InputError({"holds something else already",
-                    "move it away, or name another file; another version of this program may have "
-                    "written it, with other columns",
-                    path});
-}
-
-/// Throws unless the file begins with the header's first line and has its last, the columns.
-void require_table(const fs::path& path, const std::string& header) {
-  const std::string text = read_file(path);
-  const std::size_t columns = header.substr(0, header.size() - 1).rfind('\n') + 1;
-  const bool begins_so = text.rfind(header.substr(0, header.find('\n')), 0) == 0;
-  if (!begins_so || text.find(header.substr(columns)) == std::string::npos) refuse_table(path);
+/// Whatever cannot be told is found by opening it.
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
 }
 
 }  // namespace
 
 void require_growable(const fs::path& path) {
   require_no_link(path);
-  if (!fs::exists(path)) return require_writable(path, {});
+  if (!is_there(path)) return require_writable(path, {});
   if (!std::ofstream(path, std::ios::app))
     throw InputError({"cannot be added to", "a file that you may write is needed", path});
 }
@@ -311,17 +309,17 @@ void drop_torn_line(const fs::path& path, const std::string& header) {
 }
 
 void require_header(const fs::path& path, const std::string& header) {
-  if (fs::exists(path) && read_file(path).rfind(header, 0) != 0) refuse_table(path);
+  if (is_there(path) && read_file(path).rfind(header, 0) != 0) refuse_table(path);
 }
 
 GrowingFile::GrowingFile(fs::path path, const std::string& header) : path_(std::move(path)) {
   require_growable(path_);
   drop_torn_line(path_, header);
-  if (!fs::exists(path_) || (fs::is_empty(path_) && !header.empty())) write_file(path_, header);
+  if (!is_there(path_) || (fs::is_empty(path_) && !header.empty())) write_file(path_, header);
 }
 
 bool holds_no_row(const fs::path& path, const std::string& header) {
-  return !fs::exists(path) || read_file(path) == header;
+  return !is_there(path) || read_file(path) == header;
 }
 
 void GrowingFile::append(const std::string& lines, Durability durability) {

@@ -11,8 +11,8 @@ namespace planar {
 
 /// Returns KIND of the line `format: planar-servo/KIND/1` among the first four or as the last;
 /// empty for a text without it, which is not ours. Tables have the line behind a '#', pages and
-/// figures in a comment, JSON as a key, PDF at its end, NumPy's arrays in
-/// their head. Pictures have none: they are of the kind `image`.
+/// figures in a comment, JSON as a key, PDF at its end, NumPy's arrays in their head. Pictures have
+/// none: they are of the kind `image`.
 std::string_view kind_of_text(std::string_view text);
 
 /// Returns a JSON object's text with the key `format` of this kind before its other keys.

@@ -62,6 +62,15 @@ std::string with_line(const std::string& text, const std::string& key, const std
   return fmt::format("{}{} \"{}\"\n{}", rest.substr(0, second), key, value, rest.substr(second));
 }
 
+/// Says once of a file what holds for it at every reading.
+void note_missing_checksum(const std::filesystem::path& path) {
+  static std::mutex mutex;
+  static std::set<std::filesystem::path> noted;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (noted.insert(path).second)
+    spdlog::info(fmt::format("{}: has no checksum; a change to it goes unnoticed", path.string()));
+}
+
 }  // namespace
 
 std::string sha256(std::string_view bytes) {
@@ -96,19 +105,6 @@ std::optional<Refusal> later_change(const std::filesystem::path& path, const std
       "make it again, or, where the change is meant, run planar-doctor --seal " + path.string(),
       path};
 }
-
-namespace {
-
-/// Says once of a file what holds for it at every reading.
-void note_missing_checksum(const std::filesystem::path& path) {
-  static std::mutex mutex;
-  static std::set<std::filesystem::path> noted;
-  const std::lock_guard<std::mutex> lock(mutex);
-  if (noted.insert(path).second)
-    spdlog::info(fmt::format("{}: has no checksum; a change to it goes unnoticed", path.string()));
-}
-
-}  // namespace
 
 void require_unchanged(const std::filesystem::path& path, const std::string& text) {
   const std::string_view kind = kind_of_text(text);

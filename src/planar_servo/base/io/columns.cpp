@@ -4,8 +4,6 @@
 
 #include <utility>
 
-#include "planar_servo/base/core/text.h"
-
 namespace planar {
 
 std::string Digits::text(double value) const {

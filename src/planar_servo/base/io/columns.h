@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <set>
@@ -70,7 +69,7 @@ class Columns {
   void whole_number(std::string_view column, int& field);
   /// Visits a number whose field may be empty.
   void optional_number(std::string_view column, std::optional<double>& field, double unit,
-                       Digits digits, Column need);
+                       Digits digits, Column need = Column::kOptional);
   /// Visits a value of an enumeration by its name in `table`.
   template <typename Value, std::size_t kSize>
   void choice(std::string_view column, Value& field, const Named<Value> (&table)[kSize]);
@@ -82,7 +81,7 @@ class Columns {
              Digits digits);
   /// Visits a point whose two fields may both be empty. One empty field alone is a fault.
   void optional_point(std::string_view x, std::string_view y, std::optional<Eigen::Vector2d>& field,
-                      double unit, Digits digits, Column need);
+                      double unit, Digits digits, Column need = Column::kOptional);
 
   /// When reading, adds the refusal of a column's value, or of the whole row, to the table's faults
   /// unless its rule was `kept`.

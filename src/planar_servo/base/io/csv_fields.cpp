@@ -57,6 +57,14 @@ std::string quantity_of(std::string_view column) {
   return std::string(column.substr(0, column.size() - (unit.empty() ? 0 : unit.size() + 1)));
 }
 
+/// Returns the column of the same quantity whose unit this name misspells; empty where none is.
+std::string with_misspelt_unit(std::string_view name, const std::vector<std::string>& columns) {
+  std::vector<std::string> same;
+  for (const std::string& column : columns)
+    if (quantity_of(column) == name.substr(0, name.rfind('_'))) same.push_back(column);
+  return nearest_word(name, same);
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
@@ -137,18 +145,6 @@ std::optional<double> finite_number(std::string_view text) {
     return std::nullopt;
   return value;
 }
-
-namespace {
-
-/// Returns the column of the same quantity whose unit this name misspells; empty where none is.
-std::string with_misspelt_unit(std::string_view name, const std::vector<std::string>& columns) {
-  std::vector<std::string> same;
-  for (const std::string& column : columns)
-    if (quantity_of(column) == name.substr(0, name.rfind('_'))) same.push_back(column);
-  return nearest_word(name, same);
-}
-
-}  // namespace
 
 std::string likely_column(std::string_view name, const std::vector<std::string>& columns) {
   std::vector<std::string> quantities;

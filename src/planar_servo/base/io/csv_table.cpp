@@ -7,7 +7,6 @@
 #include <cctype>
 #include <charconv>
 #include <cstring>
-#include <utility>
 
 #include "planar_servo/base/io/atomic_file.h"
 
@@ -34,7 +33,8 @@ std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-bool has(const std::vector<std::string>& columns, const std::string& column) {
+template <typename Names>
+bool has(const Names& columns, std::string_view column) {
   return std::find(columns.begin(), columns.end(), column) != columns.end();
 }
 
@@ -159,13 +159,9 @@ void CsvTable::take_separator(char separator) {
 void CsvTable::find_separator() {
   for (const char separator : {';', '\t'}) {
     const auto names = split_fields(line_, separator);
-    const auto is_ours = [&](const std::string& column) {
-      return std::find(names.begin(), names.end(), column) != names.end();
-    };
-    if (names.size() > 1 && std::all_of(required_.begin(), required_.end(), is_ours)) {
-      take_separator(separator);
-      return;
-    }
+    const auto is_there = [&](const std::string& column) { return has(names, column); };
+    if (names.size() > 1 && std::all_of(required_.begin(), required_.end(), is_there))
+      return take_separator(separator);
   }
 }
 
@@ -202,7 +198,7 @@ std::string_view CsvTable::without_doubled_quotes(std::string_view text) {
 void CsvTable::read_header() {
   std::map<std::string_view, std::string_view> ours;
   for (const auto& [our_name, their_name] : dialect_.renamed_columns) {
-    if (std::find(fields_.begin(), fields_.end(), their_name) == fields_.end())
+    if (!has(fields_, their_name))
       throw InputError(
           {fmt::format("there is no column '{}' to be read as {}", their_name, our_name),
            fmt::format("there are {}", fmt::join(fields_, ", ")), row()});
@@ -268,15 +264,13 @@ double CsvTable::number(std::string_view column) {
   } else {
     value = finite_number(field);
   }
-  if (!value) add_fault(no_number(column, field), column);
-  return value.value_or(0.0);
-}
-
-Refusal CsvTable::no_number(std::string_view column, std::string_view field) const {
+  if (value) return *value;
   const char* foreign = foreign_character(field);
-  return {fmt::format("{} is '{}'", column, field),
-          foreign == nullptr ? "a finite number is needed"
-                             : fmt::format("a finite number is needed, and it has {}", foreign)};
+  add_fault({fmt::format("{} is '{}'", column, field),
+             foreign == nullptr ? "a finite number is needed"
+                                : fmt::format("a finite number is needed, and it has {}", foreign)},
+            column);
+  return 0.0;
 }
 
 std::optional<double> CsvTable::optional_number(std::string_view column) {
@@ -342,17 +336,13 @@ CsvFile::CsvFile(const CsvSource& source, const std::string& kind,
 bool CsvFile::next_row() {
   while (next_line()) {
     if (!take_line(buffer_, line_begin_)) continue;
-    if (in_.eof()) question_unended_row();
+    if (in_.eof() && unended_ == UnendedRow::kRefused)
+      refuse_torn_row();
+    else if (in_.eof())
+      spdlog::warn(no_line_end().at(row()).text());
     return true;
   }
   return false;
-}
-
-void CsvFile::question_unended_row() {
-  if (unended_ == UnendedRow::kRefused)
-    refuse_torn_row();
-  else
-    spdlog::warn(no_line_end().at(row()).text());
 }
 
 bool CsvFile::next_line() {

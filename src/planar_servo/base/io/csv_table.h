@@ -94,8 +94,6 @@ class CsvTable {
   /// Finds out by a header what separates the columns.
   void find_separator();
   void take_separator(char separator);
-  /// Returns what is said of a field that is no number.
-  Refusal no_number(std::string_view column, std::string_view field) const;
   void require_columns(const std::vector<std::string>& columns) const;
   /// Splits line_ into fields_. When a quoted field does not end, adds a fault and returns false.
   bool split_line();
@@ -147,7 +145,6 @@ class CsvFile : public CsvTable {
 
  private:
   bool next_line();
-  void question_unended_row();
 
   std::istringstream in_;
   UnendedRow unended_;

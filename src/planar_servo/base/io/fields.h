@@ -136,6 +136,9 @@ class Fields {
   /// vector takes a list of any length, an array one of its own length.
   template <typename Rows, typename ListRow>
   bool rows(const std::string& key, Rows& field, const ListRow& list_row);
+  /// Visits such a list whose rows are arrays or Eigen vectors of doubles.
+  template <typename Rows>
+  bool rows(const std::string& key, Rows& field, double unit = 1.0);
 
   /// Visits a map; `list_keys()` visits its keys.
   template <typename ListKeys>
@@ -249,6 +252,13 @@ bool Fields::rows(const std::string& key, Rows& field, const ListRow& list_row) 
   if constexpr (kIsVector<Rows>) field.assign(values.size(), empty);
   for (std::size_t i = 0; i < field.size(); ++i) fields_of(field[i]).take(values[i]);
   return true;
+}
+
+template <typename Rows>
+bool Fields::rows(const std::string& key, Rows& field, double unit) {
+  return rows(key, field, [unit](RowFields& row, typename Rows::value_type& values) {
+    for (double& value : values) row.number(value, unit);
+  });
 }
 
 template <typename ListKeys>

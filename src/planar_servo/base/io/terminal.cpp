@@ -6,14 +6,12 @@
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <termios.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -46,7 +44,9 @@ bool is_input(int descriptor) {
        "start the program in a terminal, or give tracker.source file or tcp with a column id"});
 }
 
-constexpr char kEraseToEnd[] = "\033[K";  // of a status line that stood there
+constexpr double kShortWork_s = 1.0;
+constexpr double kBetweenDrawings_s = 0.1;
+constexpr std::size_t kWidth = 40;
 
 }  // namespace
 
@@ -63,14 +63,6 @@ void StatusLine::wipe() {
   if (drawn_) fmt::print(stderr, "\r{}", kEraseBelow);
   drawn_ = false;
 }
-
-namespace {
-
-constexpr double kShortWork_s = 1.0;
-constexpr double kBetweenDrawings_s = 0.1;
-constexpr std::size_t kWidth = 40;
-
-}  // namespace
 
 ProgressBar::ProgressBar(std::string label)
     : label_(std::move(label)), draw_after_s_(clock_.now_s() + kShortWork_s) {}
@@ -96,7 +88,7 @@ void ProgressBar::draw(const std::string& label, double share, const std::string
 std::string Terminal::ask(const std::string& question) {
   if (!is_input(in_)) nobody_answers(question, "standard input is closed");
   if (is_attended()) tcflush(in_, TCIFLUSH);
-  const std::string shown = visible(question) + (isatty(out_) != 0 ? kEraseToEnd : "");
+  const std::string shown = visible(question) + (isatty(out_) != 0 ? kEraseLine : "");
   for (std::string_view rest = shown; !rest.empty();) {
     const ssize_t written = write(out_, rest.data(), rest.size());
     if (written <= 0) nobody_answers(question, "the question cannot be written");

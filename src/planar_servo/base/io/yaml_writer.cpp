@@ -141,35 +141,6 @@ YamlWriter& YamlWriter::add_inputs(const std::vector<InputRecord>& inputs) {
   return *this;
 }
 
-bool YamlWriter::word(const std::string& key, std::string& field,
-                      const std::vector<std::string>& /*allowed*/) {
-  add(key, field);
-  return true;
-}
-
-bool YamlWriter::words(const std::string& key, std::vector<std::string>& field,
-                       std::size_t /*size*/, const std::vector<std::string>& /*allowed*/) {
-  add(key, field);
-  return true;
-}
-
-bool YamlWriter::number_in_file(const std::string& key, double& field, const Range& /*range*/) {
-  add(key, field);
-  return true;
-}
-
-bool YamlWriter::numbers_in_file(const std::string& key, std::vector<double>& field,
-                                 std::size_t /*size*/, const std::vector<Range>& /*ranges*/) {
-  add(key, field);
-  return true;
-}
-
-bool YamlWriter::rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
-                              std::size_t /*size*/, const std::vector<Range>& /*ranges*/) {
-  add(key, field);
-  return true;
-}
-
 void YamlWriter::begin_map(const std::string& key) {
   impl_->at(key) << YAML::BeginMap;
 }

@@ -59,15 +59,30 @@ class YamlWriter : public Fields {
   }
 
  private:
+  template <typename Value>
+  bool put_field(const std::string& key, const Value& field) {
+    add(key, field);
+    return true;
+  }
   bool word(const std::string& key, std::string& field,
-            const std::vector<std::string>& allowed) override;
-  bool words(const std::string& key, std::vector<std::string>& field, std::size_t size,
-             const std::vector<std::string>& allowed) override;
-  bool number_in_file(const std::string& key, double& field, const Range& range) override;
-  bool numbers_in_file(const std::string& key, std::vector<double>& field, std::size_t size,
-                       const std::vector<Range>& ranges) override;
+            const std::vector<std::string>& /*allowed*/) override {
+    return put_field(key, field);
+  }
+  bool words(const std::string& key, std::vector<std::string>& field, std::size_t /*size*/,
+             const std::vector<std::string>& /*allowed*/) override {
+    return put_field(key, field);
+  }
+  bool number_in_file(const std::string& key, double& field, const Range& /*range*/) override {
+    return put_field(key, field);
+  }
+  bool numbers_in_file(const std::string& key, std::vector<double>& field, std::size_t /*size*/,
+                       const std::vector<Range>& /*ranges*/) override {
+    return put_field(key, field);
+  }
   bool rows_in_file(const std::string& key, std::vector<std::vector<double>>& field,
-                    std::size_t size, const std::vector<Range>& ranges) override;
+                    std::size_t /*size*/, const std::vector<Range>& /*ranges*/) override {
+    return put_field(key, field);
+  }
   void begin_map(const std::string& key) override;
   std::size_t begin_list(const std::string& key, std::size_t size, bool fixed) override;
   void begin_item(std::size_t i) override;

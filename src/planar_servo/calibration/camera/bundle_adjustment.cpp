@@ -98,9 +98,10 @@ FitInformation information_of(const std::vector<ViewEquations>& views) {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters);
   for (const ViewEquations& view : views) {
     const Eigen::VectorXd pose_step = solve_symmetric(view.pose, view.pose_gradient);
-    sum.views.push_back({view.J_K, view.camera_gradient - view.mixed.transpose() * pose_step});
+    sum.jacobians.push_back(view.J_K);
+    sum.gradients.emplace_back(view.camera_gradient - view.mixed.transpose() * pose_step);
     sum.camera += view.J_K.transpose() * view.J_K;
-    gradient += sum.views.back().gradient;
+    gradient += sum.gradients.back();
     sum.decrease += view.pose_gradient.dot(pose_step);
     sum.squares += view.squares;
     sum.freedom += 2.0 * view.points;
@@ -298,21 +299,15 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
   return bundle->information();
 }
 
-std::vector<Eigen::MatrixXd> jacobians_of(const FitInformation& information) {
-  std::vector<Eigen::MatrixXd> jacobians;
-  for (const FitInformation::OfView& view : information.views) jacobians.push_back(view.J_K);
-  return jacobians;
-}
-
 std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information) {
-  const auto n = static_cast<double>(information.views.size());
-  Eigen::MatrixXd steps(information.camera.rows(), information.views.size());
-  for (std::size_t i = 0; i < information.views.size(); ++i) {
-    std::vector<Eigen::MatrixXd> others = jacobians_of(information);
+  const auto n = static_cast<double>(information.jacobians.size());
+  Eigen::MatrixXd steps(information.camera.rows(), information.jacobians.size());
+  for (std::size_t i = 0; i < information.jacobians.size(); ++i) {
+    std::vector<Eigen::MatrixXd> others = information.jacobians;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const auto inverse = covariance_from(others);
     if (!inverse) return std::nullopt;
-    steps.col(static_cast<Eigen::Index>(i)) = *inverse * information.views[i].gradient;
+    steps.col(static_cast<Eigen::Index>(i)) = *inverse * information.gradients[i];
   }
   steps.colwise() -= steps.rowwise().mean().eval();
   return Eigen::MatrixXd((n - 1.0) / n * steps * steps.transpose());

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera/lens_fit.h"
 
 namespace planar {
@@ -21,29 +22,23 @@ Eigen::Array4d four_of(const CameraModel& camera) {
   return {k.fx, k.fy, k.cx, k.cy};
 }
 
-class PixelHull {
- public:
-  explicit PixelHull(const std::vector<Eigen::Vector2d>& pixels) {
-    std::vector<cv::Point2f> points;
-    points.reserve(pixels.size());
-    for (const Eigen::Vector2d& uv : pixels)
-      points.emplace_back(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
-    cv::convexHull(points, corners_);
-  }
+cv::Point2f float_point(const Eigen::Vector2d& uv) {
+  return {static_cast<float>(uv.x()), static_cast<float>(uv.y())};
+}
 
-  bool contains(const Eigen::Vector2d& uv) const {
-    const cv::Point2f at(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
-    return cv::pointPolygonTest(corners_, at, false) >= 0.0;
-  }
-
- private:
-  std::vector<cv::Point2f> corners_;
-};
+std::vector<cv::Point2f> hull_of(const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<cv::Point2f> points, corners;
+  points.reserve(pixels.size());
+  for (const Eigen::Vector2d& uv : pixels) points.push_back(float_point(uv));
+  cv::convexHull(points, corners);
+  return corners;
+}
 
 /// The pixels of a grid that lie in the hull and have rays, and how their points in the plane move.
 class PlaneField {
  public:
-  PlaneField(const CameraModel& camera, const PlaneError& error, const PixelHull& hull)
+  PlaneField(const CameraModel& camera, const PlaneError& error,
+             const std::vector<cv::Point2f>& hull)
       : camera_(camera), distance_(error.distance) {
     for (Eigen::Index row = 0; row < kGrid; ++row)
       for (Eigen::Index column = 0; column < kGrid; ++column) {
@@ -51,7 +46,7 @@ class PlaneField {
                                     static_cast<double>(row) / (kGrid - 1));
         const Eigen::Vector2d uv = error.from_px + share.cwiseProduct(error.to_px - error.from_px);
         const auto seen = ray(camera, uv);
-        if (!seen || !hull.contains(uv)) continue;
+        if (!seen || cv::pointPolygonTest(hull, float_point(uv), false) < 0.0) continue;
         pixels_.push_back(uv);
         cells_.emplace_back(row, column);
         points_.emplace_back(distance_ * seen->head<2>());
@@ -126,25 +121,6 @@ constexpr double kNoises = 3.0;
 constexpr double kSmallMotion = 0.05;
 constexpr Eigen::Index kParameters = 8;
 
-/// Holds points about their centre, scaled to a root mean square distance of 1 from it.
-struct UnitPoints {
-  std::vector<Eigen::Vector2d> points;
-  double size_px{0.0};
-};
-
-UnitPoints unit_points(const std::vector<Eigen::Vector2d>& pixels) {
-  const double n = static_cast<double>(pixels.size());
-  Eigen::Vector2d centre(0.0, 0.0);
-  for (const Eigen::Vector2d& uv : pixels) centre += uv / n;
-  double squares = 0.0;
-  for (const Eigen::Vector2d& uv : pixels) squares += (uv - centre).squaredNorm();
-  UnitPoints result;
-  result.size_px = std::sqrt(squares / n);
-  for (const Eigen::Vector2d& uv : pixels)
-    result.points.emplace_back((uv - centre) / result.size_px);
-  return result;
-}
-
 /// Returns how the image of a plane moves at a point when the plane moves a little: the derivative
 /// of a homography at the identity by its eight parameters.
 Eigen::Matrix<double, 2, kParameters> small_motion(const Eigen::Vector2d& at) {
@@ -157,17 +133,18 @@ Eigen::Matrix<double, 2, kParameters> small_motion(const Eigen::Vector2d& at) {
 
 bool repeats(const CalibrationView& view, const CalibrationView& earlier) {
   if (view.points_G != earlier.points_G) return false;
-  const UnitPoints unit = unit_points(earlier.pixels);
+  const std::vector<Eigen::Vector2d> about_centre = about_centroid(earlier.pixels);
+  const double size_px = rms_length(about_centre);
   const Eigen::Index rows = 2 * static_cast<Eigen::Index>(view.pixels.size());
   Eigen::MatrixXd J(rows, kParameters);
   Eigen::VectorXd distances_px(rows);
   for (std::size_t i = 0; i < view.pixels.size(); ++i) {
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
-    J.middleRows<2>(row) = small_motion(unit.points[i]);
+    J.middleRows<2>(row) = small_motion(about_centre[i] / size_px);
     distances_px.segment<2>(row) = view.pixels[i] - earlier.pixels[i];
   }
   const double mean_square = distances_px.squaredNorm() / static_cast<double>(rows);
-  if (mean_square > std::pow(kSmallMotion * unit.size_px, 2)) return false;
+  if (mean_square > std::pow(kSmallMotion * size_px, 2)) return false;
   const Eigen::VectorXd noise = distances_px - J * solve_least_squares(J, distances_px);
   const double variance = noise.squaredNorm() / static_cast<double>(rows - kParameters);
   return mean_square <= kNoises * kNoises * variance;
@@ -199,7 +176,8 @@ double PlaneError::largest() const {
 
 double PlaneError::at(const Eigen::Vector2d& uv_px) const {
   const Eigen::Array2d share = (uv_px - from_px).array() / (to_px - from_px).array();
-  if ((share < 0.0).any() || (share > 1.0).any()) return std::numeric_limits<double>::quiet_NaN();
+  if (!((share >= 0.0).all() && (share <= 1.0).all()))
+    return std::numeric_limits<double>::quiet_NaN();
   return sigma(std::lround(share.y() * static_cast<double>(sigma.rows() - 1)),
                std::lround(share.x() * static_cast<double>(sigma.cols() - 1)));
 }
@@ -214,7 +192,7 @@ PlaneError plane_error(const CameraModel& camera, const CameraUncertainty& uncer
     error.to_px = error.to_px.cwiseMax(uv);
   }
   error.sigma.setConstant(kGrid, kGrid, std::numeric_limits<double>::quiet_NaN());
-  const PlaneField field(camera, error, PixelHull(seen));
+  const PlaneField field(camera, error, hull_of(seen));
   const Eigen::MatrixXd J = field.by_parameters(uncertainty.by_residuals.rows());
   Eigen::ArrayXd squares = variances(J, uncertainty.by_residuals);
   if (uncertainty.by_views) squares = squares.max(variances(J, *uncertainty.by_views));

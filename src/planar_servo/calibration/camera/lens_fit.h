@@ -32,13 +32,8 @@ struct FitInformation {
   double freedom{0.0};     ///< coordinates less parameters
   double decrease{0.0};    ///< by which one more Gauss-Newton step would lower `squares`
 
-  /// What one view adds to the gradient of half the squares, and to `camera`: the square of its
-  /// Jacobian.
-  struct OfView {
-    Eigen::MatrixXd J_K;
-    Eigen::VectorXd gradient;
-  };
-  std::vector<OfView> views;
+  std::vector<Eigen::MatrixXd> jacobians;  ///< of each view; their squares add up to `camera`
+  std::vector<Eigen::VectorXd> gradients;  ///< what each view adds to that of half the squares
 };
 
 /// Returns the normal equations of a fit. Empty when a point lies at the very end of the lens
@@ -56,9 +51,6 @@ std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& informat
 /// Returns the covariance of parameters with these Jacobians, stacked, for a variance of 1: the
 /// inverse of the sum of their squares. Empty when it is singular to working precision.
 std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd>& jacobians);
-
-/// Returns the Jacobians of the camera by all views.
-std::vector<Eigen::MatrixXd> jacobians_of(const FitInformation& information);
 
 /// Fits the lens of ViSP to all views by vpCalibration (CALIB_VIRTUAL_VS_DIST), which starts from
 /// the pinhole camera of fit_by_bundle(). It minimises two distances at each point: from the pixel

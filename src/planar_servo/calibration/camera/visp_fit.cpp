@@ -44,11 +44,7 @@ constexpr double kSmallBoard = 1.0 / 32.0, kLargeBoard = 1.0;
 /// board to a root mean square distance between an eighth and a quarter of a metre. Returns 1 for
 /// other boards.
 double normalising_scale(const std::vector<Eigen::Vector2d>& points) {
-  Eigen::Vector2d centroid(0.0, 0.0);
-  for (const Eigen::Vector2d& p : points) centroid += p / static_cast<double>(points.size());
-  double squares = 0.0;
-  for (const Eigen::Vector2d& p : points) squares += (p - centroid).squaredNorm();
-  const double rms = std::sqrt(squares / static_cast<double>(points.size()));
+  const double rms = rms_length(about_centroid(points));
   if (rms >= kSmallBoard && rms <= kLargeBoard) return 1.0;
   int exponent = 0;
   std::frexp(rms, &exponent);

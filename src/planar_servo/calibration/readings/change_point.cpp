@@ -12,6 +12,45 @@
 namespace planar {
 namespace {
 
+/// From place `first` on, all errors differ by a constant in this frame, or by an amount that grows
+/// from zero to it over all places.
+struct StepShape {
+  Eigen::Index first{0};
+  StepFrame frame{StepFrame::kBase};
+  bool grows{false};
+};
+
+/// The field's width and the variances of field and drift, as natural logarithms.
+struct ErrorTuning {
+  double width{0.0};  ///< of the field, in units of the places' extent
+  double field{0.0};  ///< variance, in units of the noise's
+  double drift{0.0};  ///< variance, in units of the noise's
+};
+
+/// Errors as explained with one tuning.
+struct SmoothFit {
+  ErrorTuning tuning;
+  double log_likelihood{0.0};
+  double noise{0.0};  ///< per axis, metres
+  Eigen::Vector2d step{0.0, 0.0};
+  double step_sigma{0.0};  ///< per axis, metres
+};
+
+/// What the smooth terms leave of the errors, and the inverse of the errors' covariance, in units
+/// of the noise's variance, without the fixed terms.
+struct SmoothRemainders {
+  Eigen::MatrixX2d weighted;  ///< precision * errors; the remainders where noise has unit weight
+  Eigen::ArrayXd diagonal;    ///< of the precision
+  Eigen::MatrixXd precision;  ///< without a step
+};
+
+/// Whether errors may drift, by a linear trend and a slow Gaussian process over time.
+enum class SlowDrift { kAllowed, kNone };
+
+using Outliers = std::vector<bool>;
+/// An outlier's variance, in units of the noise's: it does not affect the others.
+constexpr double kNoWeight = 1e6;
+
 constexpr Eigen::Index kFixedTerms = 7;  // the last one is the trend
 /// Width of the slow drift, as a share of the recording.
 constexpr double kDriftWidth = 1.0 / 3.0;
@@ -46,6 +85,179 @@ Eigen::Vector2d product(const Eigen::MatrixX2d& a, const Eigen::MatrixX2d& b) {
           a.col(0).dot(b.col(1)) - a.col(1).dot(b.col(0))};
 }
 
+/// Returns whether an error that the others predict with this deviation is more likely an
+/// outlier.
+bool is_outlier(double distance, double deviation) {
+  const double ratio = distance / deviation;
+  const double log_density = -0.5 * ratio * ratio - std::log(2.0 * kPi * deviation * deviation);
+  return log_density + std::log(1.0 - kOutlierShare) < log_density_of_outlier();
+}
+
+/// Explains errors by a Gaussian process over the places (Matern 5/2), a quadratic of the place, a
+/// slow drift where that is allowed, noise and, if asked, a step. Outliers have a wide density of
+/// their own and do not affect the others.
+class SmoothErrors {
+ public:
+  explicit SmoothErrors(const std::vector<TimedError>& errors,
+                        SlowDrift drift = SlowDrift::kAllowed)
+      : drifts_(drift == SlowDrift::kAllowed) {
+    const auto n = static_cast<Eigen::Index>(errors.size());
+    Eigen::MatrixX2d p(n, 2);
+    Eigen::VectorXd t(n);
+    errors_.resize(n, 2);
+    headings_.resize(n, 2);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const TimedError& e = errors[static_cast<std::size_t>(i)];
+      p.row(i) = e.p.transpose();
+      errors_.row(i) = e.error.transpose();
+      headings_.row(i) << std::cos(e.phi), std::sin(e.phi);
+      t[i] = static_cast<double>(i) / static_cast<double>(n);
+    }
+    p.rowwise() -= p.colwise().mean().eval();
+    p /= p.rowwise().norm().maxCoeff();
+    distances_.resize(n, n);
+    drift_.resize(n, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      distances_.col(j) = (p.rowwise() - p.row(j)).rowwise().norm();
+      drift_.col(j) = (-0.5 * ((t.array() - t[j]) / kDriftWidth).square()).exp();
+    }
+    const Eigen::ArrayXd x = p.col(0).array(), y = p.col(1).array();
+    fixed_.resize(n, kFixedTerms);
+    fixed_ << Eigen::VectorXd::Ones(n), p, x.square(), x * y, y.square(), t;
+    if (!drifts_) fixed_.conservativeResize(Eigen::NoChange, kFixedTerms - 1);
+  }
+
+  Eigen::Index size() const { return errors_.rows(); }
+  const Eigen::MatrixX2d& errors() const { return errors_; }
+  void set_errors(Eigen::MatrixX2d errors) { errors_ = std::move(errors); }
+
+  /// Returns the tuning of the largest likelihood. The search begins at the best of a coarse grid
+  /// and of `guess`.
+  SmoothFit tuned(const ErrorTuning& guess, const Outliers& outliers,
+                  const std::optional<StepShape>& step) const {
+    constexpr double kFirstStride = 1.0, kLastStride = 0.2;
+    constexpr std::array<double ErrorTuning::*, 3> kAxes{&ErrorTuning::width, &ErrorTuning::field,
+                                                         &ErrorTuning::drift};
+    SmoothFit best = best_start(guess, outliers, step);
+    for (double stride = kFirstStride; stride > kLastStride;) {
+      const double before = best.log_likelihood;
+      for (const auto axis : kAxes)
+        for (const double way : {-stride, stride}) {
+          ErrorTuning tuning = best.tuning;
+          tuning.*axis += way;
+          const SmoothFit tried = fit(within_bounds(tuning), outliers, step);
+          if (tried.log_likelihood > best.log_likelihood) best = tried;
+        }
+      constexpr double kWorthAnother = 0.05;
+      if (best.log_likelihood < before + kWorthAnother) stride *= 0.5;
+    }
+    return best;
+  }
+
+  SmoothRemainders remainders(const ErrorTuning& tuning, const Outliers& outliers,
+                              const std::optional<StepShape>& step) const {
+    const Eigen::MatrixXd L = factor(tuning, outliers);
+    Eigen::MatrixXd F = solve_lower(L, fixed_), W = inverse_of_lower(L);
+    take_out(F, W);
+    SmoothRemainders left;
+    left.precision = W.transpose() * W;
+    left.diagonal = left.precision.diagonal();
+    left.weighted = left.precision * errors_;
+    if (!step) return left;
+    const Eigen::MatrixX2d v = shape(*step), Rv = left.precision * v;
+    const double part = v.cwiseProduct(Rv).sum();
+    const Eigen::Vector2d size = product(v, left.weighted) / part;
+    left.diagonal -= Rv.rowwise().squaredNorm().array() / part;
+    left.weighted.col(0) -= Rv.col(0) * size.x() - Rv.col(1) * size.y();
+    left.weighted.col(1) -= Rv.col(0) * size.y() + Rv.col(1) * size.x();
+    return left;
+  }
+
+  /// Returns what a step of one metre along x of its frame adds to each error.
+  Eigen::MatrixX2d shape(const StepShape& step) const {
+    const Eigen::Index late = size() - step.first;
+    Eigen::MatrixX2d shape = Eigen::MatrixX2d::Zero(size(), 2);
+    if (step.frame == StepFrame::kTool)
+      shape.bottomRows(late) = headings_.bottomRows(late);
+    else
+      shape.col(0).tail(late).setOnes();
+    if (step.grows) shape.array().colwise() *= Eigen::ArrayXd::LinSpaced(size(), 0.0, 1.0);
+    return shape;
+  }
+
+  /// Returns the share of a shape's variance over the places that no smooth function of the place,
+  /// a polynomial of the fourth degree, gives: small where time tells the place.
+  double apart_from_place(const StepShape& step) const {
+    constexpr int kHighest = 4;
+    Eigen::MatrixXd powers(size(), 0);
+    for (int i = 0; i <= kHighest; ++i)
+      for (int j = 0; i + j <= kHighest; ++j) {
+        powers.conservativeResize(Eigen::NoChange, powers.cols() + 1);
+        powers.rightCols<1>() = fixed_.col(1).array().pow(i) * fixed_.col(2).array().pow(j);
+      }
+    Eigen::MatrixXd whole = shape(step);
+    whole.rowwise() -= whole.colwise().mean().eval();
+    Eigen::MatrixXd apart = whole;
+    take_out(powers, apart);
+    return apart.squaredNorm() / whole.squaredNorm();
+  }
+
+ private:
+  SmoothFit fit(const ErrorTuning& tuning, const Outliers& outliers,
+                const std::optional<StepShape>& step) const {
+    const Eigen::MatrixXd L = factor(tuning, outliers);
+    Eigen::MatrixXd F = solve_lower(L, fixed_), X(size(), step ? 4 : 2);
+    X.leftCols<2>() = errors_;
+    if (step) X.rightCols<2>() = shape(*step);
+    X = solve_lower(L, std::move(X));
+    take_out(F, X);
+    SmoothFit fit;
+    fit.tuning = tuning;
+    double squares = X.leftCols<2>().squaredNorm(), part = 1.0;
+    if (step) {
+      part = X.rightCols<2>().squaredNorm();
+      fit.step = product(X.rightCols<2>(), X.leftCols<2>()) / part;
+      squares -= part * fit.step.squaredNorm();
+    }
+    const double out = static_cast<double>(std::count(outliers.begin(), outliers.end(), true)),
+                 in = static_cast<double>(size()) - out;
+    const double variance = squares / (2.0 * in);
+    fit.noise = std::sqrt(variance);
+    fit.step_sigma = fit.noise / std::sqrt(part);
+    fit.log_likelihood = -2.0 * L.diagonal().array().log().sum() + out * std::log(kNoWeight) -
+                         in * (std::log(2.0 * kPi * variance) + 1.0) +
+                         in * std::log(1.0 - kOutlierShare) + out * log_density_of_outlier();
+    return fit;
+  }
+
+  SmoothFit best_start(const ErrorTuning& guess, const Outliers& outliers,
+                       const std::optional<StepShape>& step) const {
+    SmoothFit best = fit(guess, outliers, step);
+    for (const double width : {-1.5, -0.5, 0.5})
+      for (const double field : {0.0, 4.0, 8.0}) {
+        const SmoothFit tried = fit({width, field, kLeast.drift}, outliers, step);
+        if (tried.log_likelihood > best.log_likelihood) best = tried;
+      }
+    return best;
+  }
+
+  Eigen::MatrixXd factor(const ErrorTuning& tuning, const Outliers& outliers) const {
+    Eigen::MatrixXd covariance =
+        std::exp(tuning.field) * matern(distances_, std::exp(tuning.width));
+    if (drifts_) covariance += std::exp(tuning.drift) * drift_;
+    for (Eigen::Index i = 0; i < size(); ++i)
+      covariance(i, i) += outliers[static_cast<std::size_t>(i)] ? kNoWeight : 1.0;
+    return lower_factor(covariance).value();
+  }
+
+  Eigen::MatrixX2d errors_;
+  Eigen::MatrixX2d headings_;  ///< cosine and sine of phi
+  Eigen::MatrixXd distances_;  ///< between places, in units of their extent
+  Eigen::MatrixXd drift_;      ///< covariance in time of a drift of unit variance
+  Eigen::MatrixXd fixed_;      ///< quadratic of the place, and trend where it may drift
+  bool drifts_;
+};
+
 /// With less of a trend's shape apart from the place, a field that is not quite as it is modelled
 /// passes for a trend.
 constexpr double kLeastApart = 0.3;
@@ -54,7 +266,7 @@ constexpr double kLeastApart = 0.3;
 /// with it.
 struct Explanation {
   SmoothFit fit;
-  SmoothErrors::Outliers outliers;
+  Outliers outliers;
   std::optional<StepShape> step{};
 };
 
@@ -66,18 +278,18 @@ Eigen::RowVector2d miss_of(const SmoothRemainders& left, Eigen::Index i) {
 /// Returns the deviation of miss_of() per axis if the error is no outlier.
 double deviation_of_miss(const Explanation& by, const SmoothRemainders& left, Eigen::Index i) {
   const bool is_out = by.outliers[static_cast<std::size_t>(i)];
-  const double variance = 1.0 / left.diagonal[i] - (is_out ? SmoothErrors::kNoWeight - 1.0 : 0.0);
+  const double variance = 1.0 / left.diagonal[i] - (is_out ? kNoWeight - 1.0 : 0.0);
   return by.fit.noise * std::sqrt(std::max(1.0, variance));
 }
 
 /// Returns which errors are outliers, as the others predict them.
-SmoothErrors::Outliers outliers_beside(const SmoothErrors& errors, const Explanation& by,
-                                       const SmoothRemainders& left) {
+Outliers outliers_beside(const SmoothErrors& errors, const Explanation& by,
+                         const SmoothRemainders& left) {
   constexpr long kLargestShare = 5;
-  SmoothErrors::Outliers outliers = by.outliers;
+  Outliers outliers = by.outliers;
   for (Eigen::Index i = 0; i < errors.size(); ++i)
     outliers[static_cast<std::size_t>(i)] =
-        SmoothErrors::is_outlier(miss_of(left, i).norm(), deviation_of_miss(by, left, i));
+        is_outlier(miss_of(left, i).norm(), deviation_of_miss(by, left, i));
   const bool few = kLargestShare * std::count(outliers.begin(), outliers.end(), true) <=
                    static_cast<long>(errors.size());
   return few ? outliers : by.outliers;
@@ -88,15 +300,15 @@ void leave_out_outliers(const SmoothErrors& errors, Explanation& found) {
   constexpr int kRounds = 12;
   for (int round = 0; round < kRounds; ++round) {
     const SmoothRemainders left = errors.remainders(found.fit.tuning, found.outliers, found.step);
-    SmoothErrors::Outliers outliers = outliers_beside(errors, found, left);
+    Outliers outliers = outliers_beside(errors, found, left);
     if (outliers == found.outliers) return;
     found.outliers = std::move(outliers);
     found.fit = errors.tuned(found.fit.tuning, found.outliers, found.step);
   }
 }
 
-SmoothErrors::Outliers no_outliers(const SmoothErrors& errors) {
-  return SmoothErrors::Outliers(static_cast<std::size_t>(errors.size()), false);
+Outliers no_outliers(const SmoothErrors& errors) {
+  return Outliers(static_cast<std::size_t>(errors.size()), false);
 }
 
 Explanation without_step(const SmoothErrors& errors) {
@@ -221,7 +433,7 @@ std::vector<Eigen::Vector2d> remainders_with_step(const SmoothErrors& errors,
   std::vector<Eigen::Vector2d> remainders;
   for (Eigen::Index i = 0; i < errors.size(); ++i) {
     const bool is_out = found.outliers[static_cast<std::size_t>(i)];
-    const Eigen::RowVector2d r = (is_out ? SmoothErrors::kNoWeight : 1.0) * left.weighted.row(i);
+    const Eigen::RowVector2d r = (is_out ? kNoWeight : 1.0) * left.weighted.row(i);
     remainders.emplace_back(u.row(i).dot(r), u(i, 0) * r.y() - u(i, 1) * r.x());
     if (i >= found.step->first) remainders.back() += found.fit.step;
   }
@@ -245,152 +457,6 @@ std::vector<TimedError> those_at(const std::vector<std::size_t>& places,
 }
 
 }  // namespace
-
-SmoothErrors::SmoothErrors(const std::vector<TimedError>& errors, SlowDrift drift)
-    : drifts_(drift == SlowDrift::kAllowed) {
-  const auto n = static_cast<Eigen::Index>(errors.size());
-  Eigen::MatrixX2d p(n, 2);
-  Eigen::VectorXd t(n);
-  errors_.resize(n, 2);
-  headings_.resize(n, 2);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const TimedError& e = errors[static_cast<std::size_t>(i)];
-    p.row(i) = e.p.transpose();
-    errors_.row(i) = e.error.transpose();
-    headings_.row(i) << std::cos(e.phi), std::sin(e.phi);
-    t[i] = static_cast<double>(i) / static_cast<double>(n);
-  }
-  p.rowwise() -= p.colwise().mean().eval();
-  p /= p.rowwise().norm().maxCoeff();
-  distances_.resize(n, n);
-  drift_.resize(n, n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    distances_.col(j) = (p.rowwise() - p.row(j)).rowwise().norm();
-    drift_.col(j) = (-0.5 * ((t.array() - t[j]) / kDriftWidth).square()).exp();
-  }
-  const Eigen::ArrayXd x = p.col(0).array(), y = p.col(1).array();
-  fixed_.resize(n, kFixedTerms);
-  fixed_ << Eigen::VectorXd::Ones(n), p, x.square(), x * y, y.square(), t;
-  if (!drifts_) fixed_.conservativeResize(Eigen::NoChange, kFixedTerms - 1);
-}
-
-bool SmoothErrors::is_outlier(double distance, double deviation) {
-  const double ratio = distance / deviation;
-  const double log_density = -0.5 * ratio * ratio - std::log(2.0 * kPi * deviation * deviation);
-  return log_density + std::log(1.0 - kOutlierShare) < log_density_of_outlier();
-}
-
-Eigen::MatrixX2d SmoothErrors::shape(const StepShape& step) const {
-  const Eigen::Index late = size() - step.first;
-  Eigen::MatrixX2d shape = Eigen::MatrixX2d::Zero(size(), 2);
-  if (step.frame == StepFrame::kTool)
-    shape.bottomRows(late) = headings_.bottomRows(late);
-  else
-    shape.col(0).tail(late).setOnes();
-  if (step.grows) shape.array().colwise() *= Eigen::ArrayXd::LinSpaced(size(), 0.0, 1.0);
-  return shape;
-}
-
-double SmoothErrors::apart_from_place(const StepShape& step) const {
-  constexpr int kHighest = 4;
-  Eigen::MatrixXd powers(size(), 0);
-  for (int i = 0; i <= kHighest; ++i)
-    for (int j = 0; i + j <= kHighest; ++j) {
-      powers.conservativeResize(Eigen::NoChange, powers.cols() + 1);
-      powers.rightCols<1>() = fixed_.col(1).array().pow(i) * fixed_.col(2).array().pow(j);
-    }
-  Eigen::MatrixXd whole = shape(step);
-  whole.rowwise() -= whole.colwise().mean().eval();
-  Eigen::MatrixXd apart = whole;
-  take_out(powers, apart);
-  return apart.squaredNorm() / whole.squaredNorm();
-}
-
-Eigen::MatrixXd SmoothErrors::factor(const ErrorTuning& tuning, const Outliers& outliers) const {
-  Eigen::MatrixXd covariance = std::exp(tuning.field) * matern(distances_, std::exp(tuning.width));
-  if (drifts_) covariance += std::exp(tuning.drift) * drift_;
-  for (Eigen::Index i = 0; i < size(); ++i)
-    covariance(i, i) += outliers[static_cast<std::size_t>(i)] ? kNoWeight : 1.0;
-  return lower_factor(covariance).value();
-}
-
-SmoothFit SmoothErrors::fit(const ErrorTuning& tuning, const Outliers& outliers,
-                            const std::optional<StepShape>& step) const {
-  const Eigen::MatrixXd L = factor(tuning, outliers);
-  Eigen::MatrixXd F = solve_lower(L, fixed_), X(size(), step ? 4 : 2);
-  X.leftCols<2>() = errors_;
-  if (step) X.rightCols<2>() = shape(*step);
-  X = solve_lower(L, std::move(X));
-  take_out(F, X);
-  SmoothFit fit;
-  fit.tuning = tuning;
-  double squares = X.leftCols<2>().squaredNorm(), part = 1.0;
-  if (step) {
-    part = X.rightCols<2>().squaredNorm();
-    fit.step = product(X.rightCols<2>(), X.leftCols<2>()) / part;
-    squares -= part * fit.step.squaredNorm();
-  }
-  const double out = static_cast<double>(std::count(outliers.begin(), outliers.end(), true)),
-               in = static_cast<double>(size()) - out;
-  const double variance = squares / (2.0 * in);
-  fit.noise = std::sqrt(variance);
-  fit.step_sigma = fit.noise / std::sqrt(part);
-  fit.log_likelihood = -2.0 * L.diagonal().array().log().sum() + out * std::log(kNoWeight) -
-                       in * (std::log(2.0 * kPi * variance) + 1.0) +
-                       in * std::log(1.0 - kOutlierShare) + out * log_density_of_outlier();
-  return fit;
-}
-
-SmoothFit SmoothErrors::best_start(const ErrorTuning& guess, const Outliers& outliers,
-                                   const std::optional<StepShape>& step) const {
-  SmoothFit best = fit(guess, outliers, step);
-  for (const double width : {-1.5, -0.5, 0.5})
-    for (const double field : {0.0, 4.0, 8.0}) {
-      const SmoothFit tried = fit({width, field, kLeast.drift}, outliers, step);
-      if (tried.log_likelihood > best.log_likelihood) best = tried;
-    }
-  return best;
-}
-
-SmoothFit SmoothErrors::tuned(const ErrorTuning& guess, const Outliers& outliers,
-                              const std::optional<StepShape>& step) const {
-  constexpr double kFirstStride = 1.0, kLastStride = 0.2;
-  constexpr std::array<double ErrorTuning::*, 3> kAxes{&ErrorTuning::width, &ErrorTuning::field,
-                                                       &ErrorTuning::drift};
-  SmoothFit best = best_start(guess, outliers, step);
-  for (double stride = kFirstStride; stride > kLastStride;) {
-    const double before = best.log_likelihood;
-    for (const auto axis : kAxes)
-      for (const double way : {-stride, stride}) {
-        ErrorTuning tuning = best.tuning;
-        tuning.*axis += way;
-        const SmoothFit tried = fit(within_bounds(tuning), outliers, step);
-        if (tried.log_likelihood > best.log_likelihood) best = tried;
-      }
-    constexpr double kWorthAnother = 0.05;
-    if (best.log_likelihood < before + kWorthAnother) stride *= 0.5;
-  }
-  return best;
-}
-
-SmoothRemainders SmoothErrors::remainders(const ErrorTuning& tuning, const Outliers& outliers,
-                                          const std::optional<StepShape>& step) const {
-  const Eigen::MatrixXd L = factor(tuning, outliers);
-  Eigen::MatrixXd F = solve_lower(L, fixed_), W = inverse_of_lower(L);
-  take_out(F, W);
-  SmoothRemainders left;
-  left.precision = W.transpose() * W;
-  left.diagonal = left.precision.diagonal();
-  left.weighted = left.precision * errors_;
-  if (!step) return left;
-  const Eigen::MatrixX2d v = shape(*step), Rv = left.precision * v;
-  const double part = v.cwiseProduct(Rv).sum();
-  const Eigen::Vector2d size = product(v, left.weighted) / part;
-  left.diagonal -= Rv.rowwise().squaredNorm().array() / part;
-  left.weighted.col(0) -= Rv.col(0) * size.x() - Rv.col(1) * size.y();
-  left.weighted.col(1) -= Rv.col(0) * size.y() + Rv.col(1) * size.x();
-  return left;
-}
 
 double ChangePoint::cost(std::size_t count) const {
   const std::size_t larger = std::max(first, count - first);

@@ -15,7 +15,6 @@
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
-
 namespace {
 
 constexpr double kDensePeriod_s = 1.0;  // a tracker that reads all the time reads more often
@@ -56,6 +55,29 @@ std::vector<ToolReading> readings_at_rest(std::vector<ToolReading> readings) {
   return resting;
 }
 
+namespace {
+
+/// A stretch of time, on one clock.
+struct TimeSpan {
+  double begin_s{0.0}, end_s{0.0};
+  double middle_s() const { return 0.5 * (begin_s + end_s); }
+  double length_s() const { return end_s - begin_s; }
+};
+
+/// A rest of the reflector.
+struct Rest {
+  TimeSpan span;  ///< on the tracker's clock
+  Eigen::Vector3d p_B{0.0, 0.0, 0.0};
+};
+
+/// A look of the camera at the resting tool.
+struct Look {
+  TimeSpan span;  ///< on the camera's clock
+  std::array<Eigen::Vector2d, 2> lamps_px;
+};
+
+/// Returns where the reflector rested, in order of time. `sorted` are the readings of
+/// readings_at_rest().
 std::vector<Rest> rests_of(const std::vector<ToolReading>& sorted) {
   std::vector<Rest> rests;
   for (std::size_t first = 0; first < sorted.size();) {
@@ -69,6 +91,7 @@ std::vector<Rest> rests_of(const std::vector<ToolReading>& sorted) {
   return rests;
 }
 
+/// Returns a look for each place whose lamps were found, in the order of the places' names.
 std::vector<Look> looks_of(const std::vector<LampSight>& frames) {
   std::map<std::string, Look> by_id;
   for (const LampSight& frame : frames) {
@@ -83,8 +106,6 @@ std::vector<Look> looks_of(const std::vector<LampSight>& frames) {
   for (const auto& [id, look] : by_id) looks.push_back(look);
   return looks;
 }
-
-namespace {
 
 constexpr double kMeeting_s = 0.5;  ///< by which looks may lie outside of a rest that they meet
 
@@ -110,18 +131,14 @@ struct ClockLine {
     terms = solve_least_squares(A, b);
     const Eigen::VectorXd residuals = b - A * terms;
     left_s.assign(residuals.begin(), residuals.end());
+    variance_s2 = residuals.squaredNorm() / static_cast<double>(n - 2);
     times_squares_s2 = (A.col(1).array() - A.col(1).mean()).square().sum();
-  }
-
-  double variance_s2() const {
-    double squares = 0.0;
-    for (const double left : left_s) squares += left * left;
-    return squares / static_cast<double>(left_s.size() - 2);
   }
 
   Eigen::Vector2d terms;       ///< offset, seconds, and rate
   std::vector<double> left_s;  ///< in the order of the meetings
-  double times_squares_s2;     ///< of the looks about their mean
+  double variance_s2;
+  double times_squares_s2;  ///< of the looks about their mean
 };
 
 /// Leaves out the meetings far from the line: while the beam was broken the arm waited, and the
@@ -155,11 +172,11 @@ TrackerClock fit_clock(std::vector<Meeting> meetings, double middle_s) {
     line = ClockLine(meetings, middle_s);
   }
   TrackerClock clock{line.terms[0], line.terms[1], middle_s};
-  const double variance_s2 = line.variance_s2(), slack = slack_s(meetings);
+  const double slack = slack_s(meetings);
   // Where within a rest the camera looks is the same everywhere, and unknown.
   clock.sigma_offset_s =
-      std::sqrt(variance_s2 / static_cast<double>(meetings.size()) + slack * slack / 3.0);
-  clock.sigma_rate = std::sqrt(variance_s2 / line.times_squares_s2);
+      std::sqrt(line.variance_s2 / static_cast<double>(meetings.size()) + slack * slack / 3.0);
+  clock.sigma_rate = std::sqrt(line.variance_s2 / line.times_squares_s2);
   clock.places = meetings.size();
   return clock;
 }
@@ -222,22 +239,19 @@ std::vector<double> likely_offsets(const std::vector<Look>& looks, const std::ve
   return offsets;
 }
 
-double shown(const TrackerClock& clock, double t_s) {
-  return t_s + clock.offset_s + clock.rate * (t_s - clock.middle_s);
-}
-
 /// Matches every look with the rest nearest in time; each rest is matched once.
 std::vector<Meeting> meetings_of(const TrackerClock& clock, const std::vector<Look>& looks,
                                  const std::vector<Rest>& rests) {
   std::map<const Rest*, Meeting> met;
   for (const Look& look : looks) {
-    const double at_s = shown(clock, look.span.middle_s());
+    const double t_s = look.span.middle_s();
+    const double at_s = t_s + clock.offset_s + clock.rate * (t_s - clock.middle_s);
     const auto distance = [at_s](const Rest& rest) {
       return std::abs(rest.span.middle_s() - at_s);
     };
-    const auto later =
-        std::lower_bound(rests.begin(), rests.end(), at_s,
-                         [](const Rest& rest, double t_s) { return rest.span.middle_s() < t_s; });
+    const auto later = std::lower_bound(
+        rests.begin(), rests.end(), at_s,
+        [](const Rest& rest, double time_s) { return rest.span.middle_s() < time_s; });
     const Rest* nearest = nullptr;
     if (later != rests.end()) nearest = &*later;
     if (later != rests.begin() &&
@@ -271,14 +285,11 @@ double share_missed(const std::vector<Meeting>& meetings) {
   const double spread = std::sqrt(centred.rowwise().squaredNorm().mean());
   for (int axis = 0; axis < 2; ++axis)
     points.col(axis) -= A * solve_least_squares(A, Eigen::VectorXd(points.col(axis)));
-  std::vector<double> squares;
-  squares.reserve(meetings.size());
-  for (Eigen::Index i = 0; i < n; ++i) squares.push_back(points.row(i).squaredNorm());
-  std::sort(squares.begin(), squares.end());
-  squares.resize(squares.size() - squares.size() / 10);
-  double sum = 0.0;
-  for (const double square : squares) sum += square;
-  return spread > 0.0 ? std::sqrt(sum / static_cast<double>(squares.size())) / spread : 1.0;
+  const Eigen::VectorXd left = points.rowwise().norm();
+  std::vector<double> lengths{left.begin(), left.end()};
+  std::sort(lengths.begin(), lengths.end());
+  lengths.resize(lengths.size() - lengths.size() / 10);
+  return spread > 0.0 ? rms(lengths) / spread : 1.0;
 }
 
 std::optional<Candidate> candidate_of(double offset_s, double middle_s,
@@ -294,11 +305,6 @@ std::optional<Candidate> candidate_of(double offset_s, double middle_s,
   }
   candidate.share = share_missed(candidate.meetings);
   return candidate;
-}
-
-/// Clocks differ when they match looks with different rests.
-bool same_clock(const Candidate& a, const Candidate& b) {
-  return std::abs(a.clock.offset_s - b.clock.offset_s) < kMeeting_s;
 }
 
 [[noreturn]] void refuse_clock(const std::string& why) {
@@ -333,8 +339,10 @@ TrackerClock estimate_tracker_clock(const std::vector<LampSight>& frames,
            static_cast<double>(b.meetings.size()) * (1.0 - b.share);
   });
   const Candidate& best = following.front();
+  // Clocks differ when they match looks with different rests.
   for (const Candidate& other : following)
-    if (!same_clock(best, other) && other.share < 2.0 * best.share + 0.01 &&
+    if (std::abs(best.clock.offset_s - other.clock.offset_s) >= kMeeting_s &&
+        other.share < 2.0 * best.share + 0.01 &&
         10 * other.meetings.size() >= 9 * best.meetings.size())
       refuse_clock(fmt::format("offsets of {:.1f} s and {:.1f} s fit equally well",
                                best.clock.offset_s, other.clock.offset_s));

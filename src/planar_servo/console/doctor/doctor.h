@@ -20,8 +20,7 @@ std::vector<Finding> examine_cell(const std::filesystem::path& cell_file);
 /// Shows how the pictures of two lamps use the grey levels, where they are in view.
 std::vector<Finding> examine_lamps(FrameSource& camera);
 
-/// Lists which program made each calibration file of a cell from what, and why a file is not there
-/// or no longer valid.
+/// Lists what made each calibration file of a cell from what, and why one is missing or not valid.
 std::vector<Finding> examine_files(const CellSettings& cell);
 
 /// Returns places (base frame, metres) that fill the workspace evenly, as far as the arm reaches.
@@ -31,9 +30,8 @@ std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell);
 /// the arm may go to are seen, nor before both the camera's and the workplane's file exist.
 std::vector<Finding> question_camera_field(const CellSettings& cell);
 
-/// Doubts the programs of two installations, such as a Debian package beside what a checkout built.
-/// `own` is the file of the running program, without links, or empty where it is not known;
-/// `folders` is the value of PATH.
+/// Doubts the programs of two installations, such as a Debian package beside a checkout. `own` is
+/// the running program's file, without links, empty if unknown; `folders` is the value of PATH.
 std::vector<Finding> question_installations(const std::filesystem::path& own,
                                             const std::string& folders);
 
@@ -50,8 +48,7 @@ nlohmann::json findings_json(const std::vector<Finding>& findings);
 std::vector<std::string> new_cell_drives();
 
 /// Writes a cell file with a comment at each value, to be filled in by hand, for drives of a kind
-/// of new_cell_drives(). Throws InputError when something stands at `path` already or nothing can
-/// be written there.
+/// of new_cell_drives(). Throws InputError when `path` exists or cannot be written.
 void write_new_cell(const std::filesystem::path& path, const std::string& drives);
 
 }  // namespace planar

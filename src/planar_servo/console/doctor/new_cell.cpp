@@ -20,10 +20,6 @@ constexpr char kNewCellHead[] = R"(format: planar-servo/cell/1
 camera:
 )";
 
-constexpr char kNewVirtualCamera[] =
-    R"(  source: virtual                  # its pictures are rendered
-)";
-
 constexpr char kNewRealCamera[] =
     R"(  source: aravis                   # a GigE Vision or USB3 Vision camera
   # address: 192.168.0.30          # IP address of a GigE camera; without it the camera is on USB
@@ -74,11 +70,6 @@ tool_orientation_deg: 0.0          # direction of lamp 1 to lamp 2, unless a tar
 drives:
 )";
 
-/// Returns the beginning of an item of `drives`. Joints count from 1.
-std::string new_drive_head(int joint, const std::string& kind) {
-  return fmt::format("  - kind: {:<24} # joint {}; see doc/drives.md\n", kind, joint);
-}
-
 constexpr char kNewMotor[] =
     R"(    pulses_per_motor_turn: 6400    # full steps a turn times microsteps, such as 200 x 32
     gear_ratio: 100.0              # motor turns for one turn of the joint
@@ -107,10 +98,6 @@ workspace:
 tracker:
 )";
 
-constexpr char kNewVirtualTracker[] =
-    R"(  source: virtual                  # measures the virtual arm
-)";
-
 constexpr char kNewRealTracker[] =
     R"(  source: none                     # none, file, tcp or ask; see doc/tracker.md for their keys
 )";
@@ -133,24 +120,19 @@ virtual: truth.yaml                # what is true in the virtual cell; see doc/v
 /// Motor angles behind the gears where the arm stands at the new cell's `home_deg`.
 constexpr double kMarks_deg[] = {0.0, 60.0, -60.0};
 
-const DriveKind* kind_named(const std::string& name) {
-  const std::vector<const DriveKind*>& kinds = device_kinds().drives;
-  const auto found = std::find_if(kinds.begin(), kinds.end(),
-                                  [&](const DriveKind* kind) { return kind->name() == name; });
-  return found == kinds.end() ? nullptr : *found;
-}
-
 std::string new_cell_text(const DriveKind& kind) {
   const bool is_virtual = kind.is_virtual();
   std::string text = kNewCellHead;
-  text += is_virtual ? kNewVirtualCamera : kNewRealCamera;
+  text += is_virtual ? "  source: virtual                  # its pictures are rendered\n"
+                     : kNewRealCamera;
   text += kNewCellMiddle;
   for (std::size_t i = 0; i < 3; ++i) {
-    text += new_drive_head(static_cast<int>(i) + 1, kind.name());
+    text += fmt::format("  - kind: {:<24} # joint {}; see doc/drives.md\n", kind.name(), i + 1);
     text += kind.new_keys(i, kMarks_deg[i]) + kNewMotor;
   }
   text += kNewServo;
-  text += is_virtual ? kNewVirtualTracker : kNewRealTracker;
+  text += is_virtual ? "  source: virtual                  # measures the virtual arm\n"
+                     : kNewRealTracker;
   text += kNewCellTail;
   if (is_virtual) text += kNewTruth;
   return text;
@@ -165,14 +147,16 @@ std::vector<std::string> new_cell_drives() {
 }
 
 void write_new_cell(const std::filesystem::path& path, const std::string& drives) {
-  const DriveKind* const kind = kind_named(drives);
-  if (kind == nullptr)
+  const std::vector<const DriveKind*>& kinds = device_kinds().drives;
+  const auto kind = std::find_if(kinds.begin(), kinds.end(),
+                                 [&](const DriveKind* each) { return each->name() == drives; });
+  if (kind == kinds.end())
     throw InputError({fmt::format("drives of kind '{}' are not known", drives),
                       fmt::format("name one of {}", fmt::join(new_cell_drives(), ", "))});
   if (std::filesystem::exists(std::filesystem::symlink_status(path)))
     throw InputError({"exists already", "name another file or remove it first", path});
   require_writable(path, "cell");
-  write_file(path, new_cell_text(*kind));
+  write_file(path, new_cell_text(**kind));
 }
 
 }  // namespace planar

@@ -7,6 +7,7 @@
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
 #include <poll.h>
+#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -43,11 +44,6 @@ void require_valid_now(const X509& certificate, const std::filesystem::path& fil
 
 constexpr int kBacklog = 1024;  // httplib asks for 5, beyond which clients try again after a second
 
-void reuse_address(socket_t socket) {
-  const int yes = 1;  // without SO_REUSEPORT, by which a second console could share the port
-  setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-}
-
 using SteadyTime = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
@@ -59,7 +55,6 @@ constexpr milliseconds kPatience{3000};
 /// The end of answering is heeded within this time.
 constexpr milliseconds kHeed{20};
 constexpr std::size_t kMostBody = 1 << 20;
-constexpr char kLoopback[] = "127.0.0.1";
 
 /// What a connection reads and writes, with bounded patience.
 class SocketStream final : public httplib::Stream {
@@ -99,7 +94,7 @@ class SocketStream final : public httplib::Stream {
   }
 
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
-    ip = kLoopback;
+    ip = "127.0.0.1";
     port = 0;
   }
   void get_local_ip_and_port(std::string& ip, int& port) const override {
@@ -208,7 +203,11 @@ long TlsSession::repeat(const std::function<int()>& step, const SocketWait& wait
 }
 
 ListeningPort::ListeningPort(const std::string& address, int port) : number_(port) {
-  set_socket_options(reuse_address);
+  // Without SO_REUSEPORT, by which a second console could share the port.
+  set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
   if (port == 0)
     number_ = bind_to_any_port(address);
   else if (!bind_to_port(address, port))
@@ -234,38 +233,29 @@ int ListeningPort::accept(std::chrono::milliseconds patience) const {
   return socket;
 }
 
-void Connections::enter() {
+Connections::Entry& Connections::enter(int socket) {
   std::unique_lock<std::mutex> lock(mutex_);
-  while (served_ >= kMostConnections) {
+  while (entries_.size() >= kMostConnections) {
     close_longest_waiting();
     left_.wait_for(lock, milliseconds(5));
   }
-  ++served_;
+  Entry& entry = entries_.emplace_back();
+  entry.socket = socket;
+  return entry;
 }
 
-void Connections::leave() {
+void Connections::leave(const Entry& entry) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  --served_;
-  left_.notify_all();
-}
-
-Connections::Entry& Connections::add(int socket) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  entries_.emplace_back();
-  entries_.back().socket = socket;
-  return entries_.back();
-}
-
-void Connections::remove(const Entry& entry) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  ::close(entry.socket);
   entries_.remove_if([&](const Entry& other) { return &other == &entry; });
+  left_.notify_all();
 }
 
 void Connections::close_all() {
   std::unique_lock<std::mutex> lock(mutex_);
   const auto begun = SteadyTime::now();
-  left_.wait_for(lock, kMaySay, [&] { return served_ == 0; });  // the last answers go out
-  while (served_ > 0) {
+  left_.wait_for(lock, kMaySay, [&] { return entries_.empty(); });  // the last answers go out
+  while (!entries_.empty()) {
     const bool patient = SteadyTime::now() - begun < kPatience;
     // Whoever is answered waits for a moment, too, until the socket takes the next bytes.
     const auto latest = (SteadyTime::now() - kMaySay).time_since_epoch().count();
@@ -297,10 +287,14 @@ void ConsoleServer::answer() {
   while (svr_sock_ != INVALID_SOCKET) {
     const int socket = port_.accept(kHeed);
     if (socket < 0) continue;
-    connections_.enter();
-    std::thread([this, socket] {
-      answer_and_close(socket);
-      connections_.leave();
+    Connections::Entry& entry = connections_.enter(socket);
+    std::thread([this, &entry] {
+      try {
+        answer_one(entry);
+      } catch (const std::exception& error) {
+        spdlog::warn("a connection ended: {}", error.what());
+      }
+      connections_.leave(entry);
     }).detach();
   }
   connections_.close_all();
@@ -310,17 +304,14 @@ void ConsoleServer::close() {
   svr_sock_ = INVALID_SOCKET;
 }
 
-void ConsoleServer::answer_and_close(int socket) {
+void ConsoleServer::answer_one(Connections::Entry& entry) {
   const int yes = 1;
-  setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-  Connections::Entry& entry = connections_.add(socket);
+  setsockopt(entry.socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   SocketStream stream(entry);
-  constexpr bool kCloseAfterwards = true;
   bool closed = false;
-  if (!tls_ || stream.encrypt(*tls_)) process_request(stream, kCloseAfterwards, closed, nullptr);
+  if (!tls_ || stream.encrypt(*tls_))
+    process_request(stream, /*close_connection=*/true, closed, nullptr);
   stream.finish();
-  connections_.remove(entry);
-  ::close(socket);
 }
 
 }  // namespace planar

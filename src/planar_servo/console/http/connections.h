@@ -12,7 +12,6 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <vector>
 
 struct ssl_ctx_st;
 struct ssl_st;
@@ -22,8 +21,7 @@ namespace planar {
 /// TLS for a server, by its certificate and key.
 class Tls {
  public:
-  /// Throws InputError for files that are no certificate and its key in PEM form, and for a
-  /// certificate that is not valid now.
+  /// Throws InputError for files that are not a certificate, valid now, and its key in PEM form.
   Tls(const std::filesystem::path& certificate, const std::filesystem::path& key);
 
   /// Returns whether the certificate is for this name or address.
@@ -90,11 +88,10 @@ class Connections {
     bool closed{false};
   };
 
-  /// Waits, not long, until one more may be served, and counts it.
-  void enter();
-  void leave();
-  Entry& add(int socket);
-  void remove(const Entry& entry);
+  /// Waits, not long, until one more may be served, and adds it.
+  Entry& enter(int socket);
+  /// Closes its socket and forgets it.
+  void leave(const Entry& entry);
   /// Closes those that wait for the other side, lets the others be answered for a while, and waits
   /// until all have left.
   void close_all();
@@ -105,7 +102,6 @@ class Connections {
   std::mutex mutex_;
   std::condition_variable left_;
   std::list<Entry> entries_;
-  std::size_t served_{0};
 };
 
 /// An HTTP server that answers one request per connection.
@@ -114,14 +110,13 @@ class ConsoleServer final : public httplib::Server {
   /// Without `tls` nothing is encrypted. `port` must outlive the server.
   explicit ConsoleServer(const ListeningPort& port, std::shared_ptr<const Tls> tls = nullptr);
 
-  /// Answers the port's clients until close() is called from another thread. Later clients wait at
-  /// the port.
+  /// Answers the port's clients until another thread calls close(). Later ones wait at the port.
   void answer();
   /// Ends answer(), which runs in another thread or is about to, and what is being answered.
   void close();
 
  private:
-  void answer_and_close(int socket);
+  void answer_one(Connections::Entry& entry);
 
   const ListeningPort& port_;
   std::shared_ptr<const Tls> tls_;

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <set>
+#include <utility>
 
 #include "console_page.h"
 #include "planar_servo/base/core/units.h"
@@ -14,28 +15,26 @@
 #include "planar_servo/base/io/csv_table.h"
 #include "planar_servo/console/doctor/next_step.h"
 #include "planar_servo/console/http/cell_folder.h"
-#include "planar_servo/console/http/rights.h"
 #include "planar_servo/console/json_values.h"
 
 namespace planar {
+
 namespace {
 
-bool ends(std::string_view text, std::string_view with) {
-  return text.size() >= with.size() && text.substr(text.size() - with.size()) == with;
-}
+constexpr char kJson[] = "application/json";
 
 const char* type_of(std::string_view name) {
-  if (ends(name, ".js")) return "text/javascript; charset=utf-8";
-  if (ends(name, ".css")) return "text/css; charset=utf-8";
-  if (ends(name, ".json")) return "application/json";
-  if (ends(name, ".svg")) return "image/svg+xml";
+  const std::string ending = std::filesystem::path(name).extension().string();
+  if (ending == ".js") return "text/javascript; charset=utf-8";
+  if (ending == ".css") return "text/css; charset=utf-8";
+  if (ending == ".json") return kJson;
+  if (ending == ".svg") return "image/svg+xml";
   return "text/html; charset=utf-8";
 }
 
 constexpr double kRequests_s = 1000.0;  ///< as many may come at once, too
 constexpr int kMostStreams = 48;
 constexpr int kNoContent = 204;
-constexpr char kJson[] = "application/json";
 constexpr char kReports[] = "/reports/";
 constexpr char kReportPolicy[] =
     "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:";
@@ -96,8 +95,7 @@ std::optional<StopsKnown> stops_in(const httplib::Request& request) {
   throw InputError({fmt::format("is '{}'", text), "send `stops` of the last state", kStops});
 }
 
-/// Returns the object that is a request's body. Throws InputError for a key that is not one of
-/// these, or stands there twice.
+/// Returns the object that is a request's body. Throws InputError for another key and one twice.
 nlohmann::ordered_json body_of(const httplib::Request& request,
                                const std::vector<std::string>& keys) {
   constexpr int kMembers = 1;
@@ -138,7 +136,6 @@ void add_headers(const httplib::Request& /*request*/, httplib::Response& respons
   add("Cache-Control", "no-store");
 }
 
-/// Returns the text of the page's file of this name.
 std::string_view page_text(std::string_view name) {
   return std::find_if(std::begin(kConsolePage), std::end(kConsolePage),
                       [&](const EmbeddedFile& file) { return file.name == name; })
@@ -175,15 +172,16 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
                                                  : "the request is not understood";
     refuse(response, response.status, {{fault, "see doc/api.md", request.path}});
   });
-  answer_get("/api/cell", &ConsoleApi::cell);
-  answer_get("/api/state", &ConsoleApi::state);
-  answer_get("/api/place", &ConsoleApi::place);
-  answer_get("/api/files", &ConsoleApi::files);
-  answer_get("/api/reports", &ConsoleApi::reports);
-  answer_get("/api/results", &ConsoleApi::results);
-  answer_get("/api/targets", &ConsoleApi::targets);
-  answer_get("/api/table", &ConsoleApi::table);
-  answer_get("/api/path", &ConsoleApi::path);
+  answer_get("/api/cell", [this](const Request& request) { return this->cell(request); });
+  answer_get("/api/state", [this](const Request& request) { return state(request); });
+  answer_get("/api/place", [this](const Request& request) { return place(request); });
+  answer_get("/api/files", [this](const Request& request) { return files(request); });
+  answer_get("/api/reports", [this](const Request&) { return reports_json(cell_.folder()); });
+  answer_get("/api/results", [this](const Request&) { return jobs_.places.results(); });
+  answer_get("/api/targets",
+             [this](const Request&) { return targets_json(jobs_.places.targets()); });
+  answer_get("/api/table", [this](const Request&) { return table(); });
+  answer_get("/api/path", [this](const Request&) { return jobs_.path.json(); });
   answer_post("/api/operator", &ConsoleOrders::take_floor);
   server_.Post("/api/stop", [this](const Request&, Response& response) {
     response.set_content(text_of(orders_.stop()), kJson);  // whatever the body is
@@ -244,9 +242,9 @@ bool ConsoleApi::is_within_rate() {
   return true;
 }
 
-void ConsoleApi::answer_get(const char* path, Json (ConsoleApi::*read)(const Request&)) {
-  server_.Get(path, [this, read](const Request& request, Response& response) {
-    response.set_content(board_.named(text_of((this->*read)(request))), kJson);
+void ConsoleApi::answer_get(const char* path, std::function<Json(const Request&)> read) {
+  server_.Get(path, [this, read = std::move(read)](const Request& request, Response& response) {
+    response.set_content(board_.named(text_of(read(request))), kJson);
   });
 }
 
@@ -345,32 +343,83 @@ ConsoleApi::Json ConsoleApi::files(const Request& request) {
   return files_json(cell_.settings(), board.empty() ? kUsualBoard : board);
 }
 
-ConsoleApi::Json ConsoleApi::reports(const Request& /*request*/) {
-  return reports_json(cell_.folder());
-}
-
-ConsoleApi::Json ConsoleApi::targets(const Request& /*request*/) {
-  return targets_json(jobs_.places.targets());
-}
-
-ConsoleApi::Json ConsoleApi::table(const Request& /*request*/) {
+ConsoleApi::Json ConsoleApi::table() {
   const CellJobs::Wanted wanted = jobs_.places.wanted();
-  auto tools = Json::array();
-  for (const auto& tool : cell_.settings().tools) tools.push_back(tool.first);
   const std::string text = targets_text(wanted.drawn);
-  return {{"csv", text.substr(text.find("id,"))},
-          {"work", wanted.work},
-          {"tool", wanted.tool},
-          {"works", jobs_.places.works()},
-          {"tools", tools}};
+  return {
+      {"csv", text.substr(text.find("id,"))},
+      {"work", wanted.work},
+      {"tool", wanted.tool},
+      {"works", jobs_.places.works()},
+      {"tools", json_list(cell_.settings().tools, [](const auto& tool) { return tool.first; })}};
 }
 
-ConsoleApi::Json ConsoleApi::path(const Request& /*request*/) {
-  return jobs_.path.json();
+namespace {
+
+using ApiJson = nlohmann::ordered_json;
+
+ApiJson reference(const char* kind, const std::string& name) {
+  return {{"$ref", std::string("#/components/") + kind + "/" + name}};
 }
 
-ConsoleApi::Json ConsoleApi::results(const Request& /*request*/) {
-  return jobs_.places.results();
+/// Returns a schema, which the list names or writes out.
+ApiJson schema_of(const ApiJson& listed) {
+  return listed.is_string() ? reference("schemas", listed) : listed;
+}
+
+ApiJson body_of(const ApiJson& listed) {
+  ApiJson properties = ApiJson::object();
+  const ApiJson taken = listed.value("body", ApiJson::object());
+  for (const auto& [key, schema] : taken.items()) properties[key] = schema_of(schema);
+  const ApiJson schema{{"type", "object"},
+                       {"additionalProperties", false},
+                       {"required", listed.value("required", ApiJson::array())},
+                       {"properties", properties}};
+  return {{"required", true}, {"content", {{"application/json", {{"schema", schema}}}}}};
+}
+
+ApiJson responses_of(const ApiJson& listed) {
+  const std::string type = listed.value("type", "application/json");
+  ApiJson content = ApiJson::object();
+  if (type == "application/json")
+    content["schema"] = schema_of(listed.value("answer", ApiJson{{"type", "object"}}));
+  ApiJson responses{{"200", {{"description", "the answer"}, {"content", {{type, content}}}}}};
+  if (listed.value("may_be_empty", false))
+    responses["204"] = {{"description", "there is none yet"}};
+  responses["default"] = reference("responses", "Refused");
+  return responses;
+}
+
+ApiJson operation_of(const std::string& method, const ApiJson& listed) {
+  ApiJson operation{{"summary", listed.at("summary")}};
+  if (method == "post") {
+    operation["parameters"] = {reference("parameters", "Client"), reference("parameters", "Stops")};
+    operation["requestBody"] = body_of(listed);
+  } else if (listed.contains("parameters")) {
+    operation["parameters"] = listed.at("parameters");
+  }
+  operation["responses"] = responses_of(listed);
+  return operation;
+}
+
+}  // namespace
+
+ApiDescription::ApiDescription(std::string_view list) {
+  ApiJson document = ApiJson::parse(list);
+  ApiJson paths = ApiJson::object();
+  for (const auto& [request, listed] : document.at("requests").items()) {
+    const std::size_t space = request.find(' ');
+    const std::string method = request.substr(0, space) == "POST" ? "post" : "get";
+    const std::string path = request.substr(space + 1);
+    paths[path][method] = operation_of(method, listed);
+    if (method != "post") continue;
+    std::vector<std::string>& keys = keys_[path];
+    const ApiJson taken = listed.value("body", ApiJson::object());
+    for (const auto& entry : taken.items()) keys.push_back(entry.key());
+  }
+  document.erase("requests");
+  document["paths"] = std::move(paths);
+  openapi_ = document.dump(1);
 }
 
 }  // namespace planar

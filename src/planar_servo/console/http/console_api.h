@@ -1,14 +1,16 @@
 #pragma once
 
-#include <atomic>
-#include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <mutex>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "planar_servo/console/cell_worker.h"
-#include "planar_servo/console/http/api_description.h"
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/console_orders.h"
 #include "planar_servo/console/http/rights.h"
@@ -16,6 +18,23 @@
 #include "planar_servo/console/state_board.h"
 
 namespace planar {
+
+/// The requests that the console answers, as page/openapi.json lists them: each once, with what it
+/// takes and answers. Programs read it written out as OpenAPI.
+class ApiDescription {
+ public:
+  /// `list` is the text of that file.
+  explicit ApiDescription(std::string_view list);
+
+  /// Returns the keys of a POST's body. Throws std::out_of_range for a path that is not listed.
+  const std::vector<std::string>& keys(const std::string& path) const { return keys_.at(path); }
+  /// Returns the description as an OpenAPI document.
+  const std::string& openapi() const { return openapi_; }
+
+ private:
+  std::map<std::string, std::vector<std::string>> keys_;
+  std::string openapi_;
+};
 
 /// Answers the requests of pages and programs at a console: who may ask, and what they read.
 class ConsoleApi {
@@ -30,7 +49,7 @@ class ConsoleApi {
   using Json = nlohmann::ordered_json;
 
   bool admit(const Request& request, Response& response);
-  void answer_get(const char* path, Json (ConsoleApi::*read)(const Request&));
+  void answer_get(const char* path, std::function<Json(const Request&)> read);
   void answer_post(const char* path, ConsoleOrders::Act act);
   void serve_pictures();
   void serve_events();
@@ -42,11 +61,7 @@ class ConsoleApi {
   Json state(const Request& request);
   Json place(const Request& request);
   Json files(const Request& request);
-  Json reports(const Request& request);
-  Json targets(const Request& request);
-  Json table(const Request& request);
-  Json path(const Request& request);
-  Json results(const Request& request);
+  Json table();
 
   bool is_within_rate();
 

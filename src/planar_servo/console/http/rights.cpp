@@ -1,6 +1,7 @@
 #include "planar_servo/console/http/rights.h"
 
 #include <fmt/format.h>
+#include <openssl/crypto.h>
 #include <sys/random.h>
 
 #include <algorithm>
@@ -12,15 +13,12 @@ namespace {
 constexpr std::size_t kTokenBytes = 16;
 constexpr std::size_t kLeastClient = 16, kMostClient = 64;  // digits of X-Planar-Client
 constexpr char kJsonType[] = "application/json";
-constexpr char kStop[] = "/api/stop";
 
 std::string new_token() {
   std::array<unsigned char, kTokenBytes> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
     throw WorkError("the system gives no random bytes");
-  std::string token;
-  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
-  return token;
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
 bool begins(std::string_view text, std::string_view with) {
@@ -53,11 +51,7 @@ Tokens new_tokens() {
 }
 
 bool same_secret(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
-  return difference == 0;
+  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
 bool ConsoleSite::is_own_page(const std::string& origin, const std::string& host) const {
@@ -78,7 +72,8 @@ bool ConsoleSite::is_own(const std::string& host) const {
 
 std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
   const Right right = right_of(head);
-  if (head.method == "POST" && head.path == kStop && right != Right::kNone) return std::nullopt;
+  if (head.method == "POST" && head.path == "/api/stop" && right != Right::kNone)
+    return std::nullopt;
   if (!site_.is_own(head.host))
     return Denial{{fmt::format("the host is '{}'", head.host),
                    fmt::format("open {}, or, behind a proxy or tunnel, start planar-console with "

@@ -25,8 +25,7 @@ Tokens new_tokens();
 /// Compares two texts in a time that tells nothing about where they differ.
 bool same_secret(std::string_view a, std::string_view b);
 
-/// What is looked at of a request before anything is done for it. Headers that were not sent are
-/// empty.
+/// What is looked at of a request before anything else. Headers that were not sent are empty.
 struct RequestHead {
   std::string method, path;
   std::string host, origin, cookie, authorization, content_type;
@@ -38,14 +37,12 @@ struct Denial : Refusal {
   int status{0};
 };
 
-/// Where a console listens. Beyond this computer it has TLS, whose certificate names the hosts by
-/// which it may be asked.
+/// Where a console listens. Beyond this computer it has TLS for the hosts of its certificate.
 struct ConsoleSite {
   int port{0};
   std::string address{"127.0.0.1"};
   std::shared_ptr<const Tls> tls{};
-  /// Addresses of proxies and tunnels to this console, as a browser names them:
-  /// SCHEME://HOST[:PORT].
+  /// Proxies and tunnels to this console, as a browser names them: SCHEME://HOST[:PORT].
   std::vector<std::string> origins{};
 
   std::string scheme() const { return tls ? "https" : "http"; }
@@ -55,10 +52,9 @@ struct ConsoleSite {
   bool is_own_page(const std::string& origin, const std::string& host) const;
 };
 
-/// Decides which requests to a console are answered. A page of another site that
-/// the user's browser shows can send none of them: it has neither the name of this host nor its
-/// cookie, and cannot set the header X-Planar-Client. A stop is taken by whatever way from whoever
-/// shows a token.
+/// Decides which requests to a console are answered. A page of another site in the user's browser
+/// can send none of them: it has neither the name of this host nor its cookie, and cannot set the
+/// header X-Planar-Client. A stop is taken by whatever way from whoever shows a token.
 class Gatekeeper {
  public:
   Gatekeeper(ConsoleSite site, Tokens tokens)
@@ -73,7 +69,6 @@ class Gatekeeper {
   std::optional<Denial> denial(const RequestHead& head) const;
 
   Right right_of(const RequestHead& head) const;
-  /// Returns the right that a token gives.
   Right right_by(std::string_view token) const;
   /// Returns the value of Set-Cookie that keeps a token in a browser.
   std::string cookie_for(const std::string& token) const;

@@ -24,11 +24,9 @@ export function show(id, shown) {
   byId(id).hidden = !shown;
 }
 
-const isNumber = value => typeof value === "number" && Number.isFinite(value);
-
 /// A number with a fixed count of decimals and a real minus sign; a dash for what is unknown.
 export function fixed(value, decimals) {
-  if (!isNumber(value)) return "–";
+  if (!Number.isFinite(value)) return "–";
   const text = value.toFixed(decimals);
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }

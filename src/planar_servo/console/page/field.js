@@ -31,8 +31,7 @@ function ground() {
   for (let v = -Math.floor(edge / step) * step; v <= edge; v += step) {
     const name = Math.abs(v) < step / 2 ? "axis" : "grid";
     marks.push(line([[v, -edge], [v, edge]], {class: name}), line([[-edge, v], [edge, v]], {class: name}));
-    if (name === "axis") continue;
-    if (edge + v < 24 * px) continue;  // the corner
+    if (name === "axis" || edge + v < 24 * px) continue;  // the corner
     marks.push(draw("text", {x: v, y: edge - 4 * px, class: "tick middle"}, fixed(v, 0)),
       draw("text", {x: -edge + 4 * px, y: -v + 4 * px, class: "tick"}, fixed(v, 0)));
   }

@@ -3,7 +3,7 @@
 export const client = [...crypto.getRandomValues(new Uint8Array(16))].map(n => n.toString(16).padStart(2, "0")).join("");
 
 /// What the server refused: its fault and remedy, and all faults of a table.
-export class Refusal extends Error {
+class Refusal extends Error {
   constructor(answer, status) {
     super(answer.fault);
     Object.assign(this, {faults: [], remedy: "", where: "", ...answer, status});
@@ -27,7 +27,7 @@ async function answerOf(request) {
 let stops = 0;  // that the page knows of: what it ordered before another one does not begin
 
 /// Takes what the server says of the stops of the cell.
-export const heedStops = answer => {
+const heedStops = answer => {
   if (answer.stops !== undefined) stops = answer.stops;
   return answer;
 };

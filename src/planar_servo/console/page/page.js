@@ -4,7 +4,7 @@ import {prepareAccuracy, showAccuracy} from "./accuracy.js";
 import {attempt, gate, mayAct, mayOperate, prepareActions} from "./actions.js";
 import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
 import {loadCell, prepareCell} from "./cell.js";
-import {byId, put, show} from "./dom.js";
+import {put, show} from "./dom.js";
 import {prepareField, showField, showGround} from "./field.js";
 import {heedLine, loseJog, prepareJog, showJog} from "./jog.js";
 import {ask, follow} from "./link.js";

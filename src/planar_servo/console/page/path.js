@@ -1,6 +1,6 @@
 // A path: written, drawn, followed.
 
-import {attempt, order, setReady} from "./actions.js";
+import {order, setReady} from "./actions.js";
 import {byId, fixed, make, minuteOf, offerFile, put, show} from "./dom.js";
 import {showPath} from "./field.js";
 import {ask} from "./link.js";

@@ -10,7 +10,6 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/report/places.h"
-#include "planar_servo/report/plot.h"
 
 namespace planar {
 namespace {
@@ -56,29 +55,20 @@ std::vector<double> lengths_mm(const std::vector<CirclePlace>& places, const Pla
   return lengths;
 }
 
-/// Axes that Figures 8 to 10 have in common, so that they can be compared.
-struct LengthAxes {
-  Axis points, lengths;
-};
-
-LengthAxes axes_of_lengths(const std::vector<CirclePlace>& places) {
+/// Draws the lengths of an error along each circle, in the first run. Figures 8 to 10 have their
+/// axes in common, so that they can be compared.
+std::vector<Panel> length_panels(const std::string& title, const std::vector<CirclePlace>& places,
+                                 const PlaceError& error) {
   double most = 0.0;
   int last = 0;
   for (const CirclePlace& place : places) {
     last = std::max(last, place.index);
-    for (const auto& error : {seen_beside_plan, read_beside_plan, seen_beside_read})
-      most = std::max(most, mm(error(place).norm()));
+    for (const auto& each : {seen_beside_plan, read_beside_plan, seen_beside_read})
+      most = std::max(most, mm(each(place).norm()));
   }
-  return {{"number of the point along the circle", 0.0, last + 2.0},
-          {"length of the error, mm", 0.0, 1.05 * most}};
-}
-
-/// Draws the lengths of an error along each circle, in the first run.
-std::vector<Panel> length_panels(const std::string& title, const std::vector<CirclePlace>& places,
-                                 const PlaceError& error) {
-  const LengthAxes axes = axes_of_lengths(places);
   const std::set<int> radii_mm = radii_of(places);
-  Panel panel(title, axes.points, axes.lengths);
+  Panel panel(title, {"number of the point along the circle", 0.0, last + 2.0},
+              {"length of the error, mm", 0.0, 1.05 * most});
   for (const int radius_mm : radii_mm) {
     const std::vector<CirclePlace> circle = places_of(places, radius_mm, 1);
     if (circle.empty()) continue;

@@ -42,10 +42,6 @@ Axis error_axis(const ExperimentReport& report) {
   return decades_over("true error, mm", all);
 }
 
-std::string key_of(const ErrorSeries& series) {
-  return fmt::format("{}: {:#.3g} mm on average", series.what, mean(series.lengths_mm()));
-}
-
 std::vector<Panel> target_panels(const ExperimentReport& report) {
   std::vector<Eigen::Vector2d> all;
   for (const ControlCircle& circle : report.circles)
@@ -78,7 +74,8 @@ std::vector<Panel> before_after_panels(const ExperimentReport& report) {
       if (const auto& error = series.results[i].*series.error)
         points.emplace_back(static_cast<double>(i) + 1.0, mm(error->norm()));
     panel.add_dots(points, {series.color}, 3.0);
-    panel.add_key(series.color, key_of(series));
+    panel.add_key(series.color,
+                  fmt::format("{}: {:#.3g} mm on average", series.what, mean(series.lengths_mm())));
   }
   return {panel};
 }

@@ -9,7 +9,6 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/experiment/plots/plots.h"
 #include "planar_servo/report/places.h"
-#include "planar_servo/report/plot.h"
 
 namespace planar {
 namespace {
@@ -114,15 +113,6 @@ std::vector<Panel> field_panels(const PlotData& data, const DrawnMap& drawn) {
   return {known, field};
 }
 
-std::vector<Eigen::Vector2d> curve_of(const std::vector<PredictedPlace>& circle,
-                                      Eigen::Vector2d PredictedPlace::*error) {
-  std::vector<Eigen::Vector2d> curve;
-  curve.reserve(circle.size());
-  for (const PredictedPlace& place : circle)
-    curve.emplace_back(place.index + 1.0, (place.*error).norm() / kMillimetre);
-  return curve;
-}
-
 /// Returns the mean length of what a prediction leaves of the error, millimetres.
 double left_mm(const std::vector<PredictedPlace>& circle, const DrawnMap& drawn) {
   std::vector<double> left;
@@ -152,7 +142,9 @@ std::vector<Panel> prediction_panels(const PlotData& data, const DrawnMap& drawn
                 {"number of the point along the circle", 0.0, last + 2.0},
                 {"length of the vision error, mm", 0.0, 1.05 * most});
     const auto add = [&](Eigen::Vector2d PredictedPlace::*error, const char* color) {
-      const std::vector<Eigen::Vector2d> curve = curve_of(circle, error);
+      std::vector<Eigen::Vector2d> curve;
+      for (const PredictedPlace& place : circle)
+        curve.emplace_back(place.index + 1.0, mm((place.*error).norm()));
       panel.add_line(curve, Panel::Stroke::kSolid, color);
       panel.add_dots(curve, {color}, 2.8);
     };

@@ -88,7 +88,7 @@ class GcodeProgram {
       const std::size_t end =
           std::min(code.size(), code.find_first_not_of("+-.0123456789", at + 1));
       const std::string number = code.substr(at + 1, end - at - 1);
-      const auto value = finite_number(number[0] == '+' ? number.substr(1) : number);
+      const auto value = finite_number(number);
       if (std::isupper(static_cast<unsigned char>(letter)) == 0 || !value) {
         refuse(fmt::format("'{}' is no word of a letter and a number", code.substr(at, end - at)),
                "variables and expressions are not read: let your program write plain numbers");
@@ -101,34 +101,23 @@ class GcodeProgram {
   }
 
   void take_word(const Word& word) {
-    switch (word.letter) {
-      case 'N':
-        name_ = fmt::format("N{:g}", word.number);
-        break;
-      case 'G':
-        take_g(word.number);
-        break;
-      case 'M':
-        take_m(word.number);
-        break;
-      case 'F':
-        take_feed(word.number);
-        break;
-      case 'X':
-      case 'Y':
-      case 'I':
-      case 'J':
-      case 'R':
-      case 'P':
-        if (!numbers_.emplace(word.letter, word.number).second)
-          refuse(fmt::format("has {} twice", word.letter), "say it once a line");
-        break;
-      case 'Z':
-        refuse("moves Z, and a planar arm has none", "write the program for two axes");
-        break;
-      default:
-        refuse(fmt::format("{}{:g} means nothing here", word.letter, word.number),
-               "take it out, or let your program write plain motion");
+    const auto [letter, number] = word;
+    if (letter == 'N') {
+      name_ = fmt::format("N{:g}", number);
+    } else if (letter == 'G') {
+      take_g(number);
+    } else if (letter == 'M') {
+      take_m(number);
+    } else if (letter == 'F') {
+      take_feed(number);
+    } else if (std::strchr("XYIJRP", letter) != nullptr) {
+      if (!numbers_.emplace(letter, number).second)
+        refuse(fmt::format("has {} twice", letter), "say it once a line");
+    } else if (letter == 'Z') {
+      refuse("moves Z, and a planar arm has none", "write the program for two axes");
+    } else {
+      refuse(fmt::format("{}{:g} means nothing here", letter, number),
+             "take it out, or let your program write plain motion");
     }
   }
 
@@ -136,35 +125,21 @@ class GcodeProgram {
     constexpr double kMost = 100.0;  // there is no G-code of more than two digits
     const int tenths =
         number >= 0.0 && number < kMost ? static_cast<int>(std::lround(10.0 * number)) : -1;
-    switch (tenths) {
-      case 0:
-      case 10:
-      case 20:
-      case 30:
-        motion_ = tenths / 10;
-        break;
-      case 40:
-        dwells_ = true;
-        break;
-      case 200:
-      case 210:
-        unit_m_ = tenths == 200 ? kInch : kMillimetre;
-        states_unit_ = true;
-        break;
-      case 900:
-      case 910:
-        absolute_ = tenths == 900;
-        break;
-      case 170:
-      case 400:
-      case 490:
-      case 540:
-      case 800:
-      case 940:
-        break;
-      default:
-        refuse(fmt::format("G{:g} is not known", number),
-               "there are G0 to G4, G17, G20, G21, G90 and G91");
+    const auto is = [&](std::initializer_list<int> codes) {
+      return std::count(codes.begin(), codes.end(), tenths) != 0;
+    };
+    if (is({0, 10, 20, 30})) {
+      motion_ = tenths / 10;
+    } else if (tenths == 40) {
+      dwells_ = true;
+    } else if (is({200, 210})) {
+      unit_m_ = tenths == 200 ? kInch : kMillimetre;
+      states_unit_ = true;
+    } else if (is({900, 910})) {
+      absolute_ = tenths == 900;
+    } else if (!is({170, 400, 490, 540, 800, 940})) {
+      refuse(fmt::format("G{:g} is not known", number),
+             "there are G0 to G4, G17, G20, G21, G90 and G91");
     }
   }
 

@@ -149,7 +149,7 @@ const TableSchema<ErrorGridRow>& error_grid_schema() {
       kErrorGridKind, [](Columns& columns, ErrorGridRow& row) {
         columns.point("x_mm", "y_mm", row.p, kMillimetre, 6);
         columns.point("dx_mm", "dy_mm", row.error, kMillimetre, 7);
-        columns.optional_number("sigma_mm", row.sigma, kMillimetre, 7, Column::kOptional);
+        columns.optional_number("sigma_mm", row.sigma, kMillimetre, 7);
         columns.check(row.sigma.value_or(0.0) >= 0.0,
                       {"sigma_mm is negative", "a standard deviation is needed"}, "sigma_mm");
         columns.choice("valid", row.valid, kValid);
@@ -164,7 +164,8 @@ bool is_error_grid(const std::filesystem::path& path) {
     line.erase(std::remove_if(line.begin(), line.end(),
                               [&](char c) { return kPadding.find(c) != std::string_view::npos; }),
                line.end());
-    if (!line.empty() && line[0] != '#') return (line + ',').find(",dx_mm,") != std::string::npos;
+    if (!line.empty() && line[0] != '#')
+      return (',' + line + ',').find(",dx_mm,") != std::string::npos;
   }
   return false;
 }

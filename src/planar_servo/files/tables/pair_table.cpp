@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <fstream>
 #include <locale>
 #include <sstream>
@@ -68,9 +67,9 @@ void take_lamps(const std::array<LampFields, 2>& lamps, LampRow& row) {
 void list_lamps(Columns& columns, LampRow& row) {
   auto [first, second] = lamp_fields(row);
   columns.optional_point("u1_px", "v1_px", first.uv, 1.0, 5, Column::kRequired);
-  columns.optional_point("u2_px", "v2_px", second.uv, 1.0, 5, Column::kOptional);
+  columns.optional_point("u2_px", "v2_px", second.uv, 1.0, 5);
   const auto variance = [&](const char* column, OptionalNumber& field) {
-    columns.optional_number(column, field, 1.0, Digits::significant(5), Column::kOptional);
+    columns.optional_number(column, field, 1.0, Digits::significant(5));
   };
   variance("var_u1_px2", first.var_u);
   variance("cov_uv1_px2", first.cov_uv);
@@ -89,8 +88,7 @@ void list_lamps(Columns& columns, LampRow& row) {
   variance("var_v_common_px2", var_v);
   const auto look = [&](const std::string& number, LampFields& lamp) {
     const auto value = [&](const std::string& column, OptionalNumber& field) {
-      columns.optional_number(column.c_str(), field, 1.0, Digits::significant(4),
-                              Column::kOptional);
+      columns.optional_number(column, field, 1.0, Digits::significant(4));
     };
     value("level" + number, lamp.level);
     value("background" + number, lamp.background);
@@ -108,16 +106,14 @@ void list_lamps(Columns& columns, LampRow& row) {
 const TableSchema<LampRow>& lamp_schema() {
   static const TableSchema<LampRow> lamps{
       "lamps", [](Columns& columns, LampRow& row) {
-        constexpr Column kOptional = Column::kOptional;
         columns.text("id", row.id);
-        columns.text("image", row.image, kOptional);
-        columns.optional_number("t_s", row.t_s, 1.0, 6, kOptional);
+        columns.text("image", row.image, Column::kOptional);
+        columns.optional_number("t_s", row.t_s, 1.0, 6);
         columns.choice("status", row.status, kLampStatuses);
         list_lamps(columns, row);
-        columns.optional_point("x_vision_mm", "y_vision_mm", row.p_vision, kMillimetre, 6,
-                               kOptional);
-        columns.optional_number("phi_deg", row.phi, kDegree, 6, kOptional);
-        columns.optional_point("sigma_x_mm", "sigma_y_mm", row.sigma, kMillimetre, 6, kOptional);
+        columns.optional_point("x_vision_mm", "y_vision_mm", row.p_vision, kMillimetre, 6);
+        columns.optional_number("phi_deg", row.phi, kDegree, 6);
+        columns.optional_point("sigma_x_mm", "sigma_y_mm", row.sigma, kMillimetre, 6);
       }};
   return lamps;
 }
@@ -128,8 +124,8 @@ void list_lamps(Columns& columns, std::optional<std::array<Eigen::Vector2d, 2>>&
     first = (*lamps_B)[0];
     second = (*lamps_B)[1];
   }
-  columns.optional_point("x_lamp1_mm", "y_lamp1_mm", first, kMillimetre, 6, Column::kOptional);
-  columns.optional_point("x_lamp2_mm", "y_lamp2_mm", second, kMillimetre, 6, Column::kOptional);
+  columns.optional_point("x_lamp1_mm", "y_lamp1_mm", first, kMillimetre, 6);
+  columns.optional_point("x_lamp2_mm", "y_lamp2_mm", second, kMillimetre, 6);
   if (!columns.reading()) return;
   lamps_B.reset();
   if (first && second) lamps_B = {*first, *second};
@@ -144,20 +140,16 @@ const TableSchema<PairRow>& pair_schema() {
         columns.point("x_vision_mm", "y_vision_mm", row.p_vision, kMillimetre, 6);
         columns.optional_point("x_tracker_mm", "y_tracker_mm", row.p_tracker, kMillimetre, 6,
                                Column::kRequired);
-        columns.optional_number("phi_deg", row.phi, kDegree, 6, Column::kOptional);
-        columns.optional_number("sigma_vision_mm", row.sigma_vision, kMillimetre, 6,
-                                Column::kOptional);
-        columns.optional_number("sigma_tracker_mm", row.sigma_tracker, kMillimetre, 6,
-                                Column::kOptional);
+        columns.optional_number("phi_deg", row.phi, kDegree, 6);
+        columns.optional_number("sigma_vision_mm", row.sigma_vision, kMillimetre, 6);
+        columns.optional_number("sigma_tracker_mm", row.sigma_tracker, kMillimetre, 6);
         columns.choice("plan", row.plan, kPurposes);
         columns.text("place", row.place, Column::kOptional);
         list_lamps(columns, row.lamps_B);
-        columns.optional_point("x_reflector_mm", "y_reflector_mm", row.p_reflector, kMillimetre, 6,
-                               Column::kOptional);
-        columns.optional_number("z_reflector_mm", row.z_reflector, kMillimetre, 6,
-                                Column::kOptional);
+        columns.optional_point("x_reflector_mm", "y_reflector_mm", row.p_reflector, kMillimetre, 6);
+        columns.optional_number("z_reflector_mm", row.z_reflector, kMillimetre, 6);
         list_joints(columns, row.theta);
-        columns.optional_number("t_s", row.t_s, 1.0, 6, Column::kOptional);
+        columns.optional_number("t_s", row.t_s, 1.0, 6);
       }};
   return pairs;
 }

@@ -24,8 +24,8 @@ void list_place(Columns& columns, PlanRow& row, double tool_orientation) {
     phi = tip->phi;
   }
   if (const auto* joints = std::get_if<Joints>(&row.where)) theta = *joints;
-  columns.optional_point("x_mm", "y_mm", p, kMillimetre, 6, Column::kOptional);
-  columns.optional_number("phi_deg", phi, kDegree, 6, Column::kOptional);
+  columns.optional_point("x_mm", "y_mm", p, kMillimetre, 6);
+  columns.optional_number("phi_deg", phi, kDegree, 6);
   list_joints(columns, theta);
   if (!columns.reading()) return;
   row.where = std::monostate();
@@ -107,7 +107,7 @@ void list_joints(Columns& columns, std::optional<Joints>& theta) {
   std::array<std::optional<double>, 3> angles;
   for (std::size_t j = 0; j < angles.size(); ++j) {
     if (theta) angles[j] = (*theta)[static_cast<Eigen::Index>(j)];
-    columns.optional_number(kJointColumns[j], angles[j], kDegree, 6, Column::kOptional);
+    columns.optional_number(kJointColumns[j], angles[j], kDegree, 6);
   }
   if (!columns.reading()) return;
   theta.reset();

@@ -68,7 +68,7 @@ void list_tracker(Columns& columns, TargetResult& result) {
     if (by_tracker) field = by_tracker;
   };
   auto sigma_m = result.sigma_judged_m;
-  columns.optional_number("sigma_tracker_mm", sigma_m, kMillimetre, 6, Column::kOptional);
+  columns.optional_number("sigma_tracker_mm", sigma_m, kMillimetre, 6);
   if (sigma_m) result.sigma_judged_m = sigma_m;
   list("before_tracker", result.before_judged);
   list("after_tracker", result.after_judged);
@@ -87,15 +87,13 @@ const TableSchema<TargetResult>& result_schema() {
                                 Column::kRequired);
         for (const ResultError& error : result_errors())
           list_error(columns, error.name, result.*error.error, Column::kRequired);
-        columns.optional_number("sigma_truth_mm", result.sigma_judged_m, kMillimetre, 6,
-                                Column::kOptional);
+        columns.optional_number("sigma_truth_mm", result.sigma_judged_m, kMillimetre, 6);
         columns.text("not_judged", result.not_judged, Column::kOptional);
-        columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6,
-                               Column::kOptional);
-        columns.optional_number("phi_deg", result.phi_d, kDegree, 6, Column::kOptional);
+        columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6);
+        columns.optional_number("phi_deg", result.phi_d, kDegree, 6);
         std::optional<double> sigma_m;
         if (result.sigma_target_m > 0.0) sigma_m = result.sigma_target_m;
-        columns.optional_number("sigma_target_mm", sigma_m, kMillimetre, 6, Column::kOptional);
+        columns.optional_number("sigma_target_mm", sigma_m, kMillimetre, 6);
         result.sigma_target_m = sigma_m.value_or(0.0);
         list_tracker(columns, result);
       }};

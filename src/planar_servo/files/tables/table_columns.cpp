@@ -29,24 +29,14 @@ const TableForm& form_named(const std::string& kind, const std::string& where) {
                     fmt::format("allowed are {}", fmt::join(table_kinds(), ", ")), where});
 }
 
-/// Has the rows of a table read by the rules of its kind.
-class RowReader {
- public:
-  RowReader(const TableForm& form, CsvTable& table) : form_(form), table_(table), columns_(table) {}
-
-  void read_row() {
-    form_.read_row(columns_);
-    if (form_.ids == RowIds::kAny) return;
-    table_.require_id_not_in(taken_);
-    taken_.emplace(table_.text("id"));
-  }
-
- private:
-  const TableForm& form_;
-  CsvTable& table_;
-  Columns columns_;
-  std::set<std::string> taken_;
-};
+/// Reads a table's current row by the rules of its kind; `taken` holds the ids of those before it.
+void check_row(const TableForm& form, CsvTable& table, std::set<std::string>& taken) {
+  Columns columns(table);
+  form.read_row(columns);
+  if (form.ids == RowIds::kAny) return;
+  table.require_id_not_in(taken);
+  taken.emplace(table.text("id"));
+}
 
 /// Takes the fields of a table's current row into the columns.
 void take_fields(CsvTable& table, std::vector<TableColumn>& columns) {
@@ -112,8 +102,8 @@ std::vector<TableColumn> read_table_columns(const std::filesystem::path& path,
   CsvFile table(path, form.kind, form.columns.names(Column::kRequired), {}, form.unended,
                 form.columns.names(Column::kOptional));
   std::vector<TableColumn> columns = empty_columns(form, table);
-  for (RowReader reader(form, table); table.next_row(); take_fields(table, columns))
-    reader.read_row();
+  for (std::set<std::string> taken; table.next_row(); take_fields(table, columns))
+    check_row(form, table, taken);
   table.throw_if_faulty();
   return columns;
 }
@@ -136,14 +126,14 @@ std::string table_text(const std::vector<TableColumn>& columns, const std::strin
   names.reserve(columns.size());
   for (const TableColumn& column : columns) names.push_back(column.name);
   ComingTable table(form, names);
-  RowReader reader(form, table);
+  std::set<std::string> taken;
   std::string text = csv_header(kind, names);
   const std::size_t rows = std::max(columns.at(0).texts.size(), columns.at(0).numbers.size());
   for (std::size_t row = 0; row < rows; ++row) {
     std::string line;
     for (const TableColumn& column : columns) line += field_of(column, row) + ',';
     line.pop_back();
-    if (table.take_line(line, static_cast<int>(row))) reader.read_row();
+    if (table.take_line(line, static_cast<int>(row))) check_row(form, table, taken);
     text += line + '\n';
   }
   table.throw_if_faulty_or_empty();

@@ -17,7 +17,7 @@ const TableSchema<TargetRow>& target_schema() {
       [](Columns& columns, TargetRow& row) {
         columns.text("id", row.id);
         columns.point("x_mm", "y_mm", row.p_d, kMillimetre, 6);
-        columns.optional_number("phi_deg", row.phi_d, kDegree, 6, Column::kOptional);
+        columns.optional_number("phi_deg", row.phi_d, kDegree, 6);
         if (columns.reading() || !row.tool.empty())
           columns.text("tool", row.tool, Column::kOptional);
       },
@@ -53,8 +53,8 @@ const TableSchema<PathRow>& path_schema() {
       "path",
       [](Columns& columns, PathRow& row) {
         columns.point("x_mm", "y_mm", row.p, kMillimetre, 6);
-        columns.optional_point("via_x_mm", "via_y_mm", row.via, kMillimetre, 6, Column::kOptional);
-        columns.optional_number("phi_deg", row.phi, kDegree, 6, Column::kOptional);
+        columns.optional_point("via_x_mm", "via_y_mm", row.via, kMillimetre, 6);
+        columns.optional_number("phi_deg", row.phi, kDegree, 6);
       },
       UnendedRow::kRefused};
   return schema;
@@ -113,18 +113,15 @@ const TableSchema<PathLookRow>& look_schema() {
 
 void list_errors(Columns& columns, const std::optional<PathErrors>& errors,
                  const std::string& judge) {
-  const auto number = [&](const char* name, double PathErrors::*value) {
-    list_number(columns, name + judge, errors ? std::optional((*errors).*value) : std::nullopt);
+  const auto number = [&](const char* name, double value) {
+    list_number(columns, name + judge, errors ? std::optional(value) : std::nullopt);
   };
-  const auto deviation = [&](const char* name, double Summary::*value) {
-    list_number(columns, name + judge,
-                errors ? std::optional(errors->across_m.*value) : std::nullopt);
-  };
-  deviation("deviation_mean_mm", &Summary::mean);
-  deviation("deviation_p95_mm", &Summary::p95);
-  deviation("deviation_max_mm", &Summary::max);
-  number("lag_mean_mm", &PathErrors::lag_mean_m);
-  number("lag_max_mm", &PathErrors::lag_max_m);
+  const PathErrors found = errors.value_or(PathErrors{});
+  number("deviation_mean_mm", found.across_m.mean);
+  number("deviation_p95_mm", found.across_m.p95);
+  number("deviation_max_mm", found.across_m.max);
+  number("lag_mean_mm", found.lag_mean_m);
+  number("lag_max_mm", found.lag_max_m);
 }
 
 const TableSchema<PathSpeedResult>& result_schema_of_paths() {

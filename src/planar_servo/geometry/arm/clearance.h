@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +34,6 @@ struct Barrier {
   std::string name;
   std::vector<Eigen::Vector2d> corners_B;  ///< of the polygon; the only one is a disc's centre
   double radius_m{0.0};                    ///< of the disc
-
   Heights heights{};
 };
 

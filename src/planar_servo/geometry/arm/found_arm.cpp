@@ -77,15 +77,14 @@ Eigen::VectorXd found_terms(const FoundArm& found, const ArmForm& form) {
   return x;
 }
 
-/// Returns by how much a change of zeros and waves turns each motor.
-Eigen::Array3d turns(const ArmForm& form, const Eigen::Vector3d& motors,
-                     const Eigen::VectorXd& change) {
-  Eigen::Array3d turned = change.segment<3>(2);
+/// Returns `turned` with the turns that the waves of these terms add to each motor.
+Eigen::Array3d with_waves(Eigen::Array3d turned, const ArmForm& form, const Eigen::Vector3d& motors,
+                          const Eigen::VectorXd& x) {
   for (int wave = 0; wave < form.waves(); ++wave) {
     const Eigen::Array3d angle = form.orders(wave) * motors.array();
     const Eigen::Index first = ArmForm::kFirstWave + Eigen::Index{6} * wave;
-    turned += change.segment<3>(first).array() * angle.sin() +
-              change.segment<3>(first + 3).array() * angle.cos();
+    turned +=
+        x.segment<3>(first).array() * angle.sin() + x.segment<3>(first + 3).array() * angle.cos();
   }
   return turned;
 }
@@ -108,8 +107,7 @@ PostureBasis basis_over_postures(const std::vector<Joints>& postures, double wid
   if (postures.empty()) return basis;
   const auto n = static_cast<Eigen::Index>(postures.size());
   Eigen::Matrix3Xd places(3, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    places.col(i) = coordinates(postures[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < n; ++i) places.col(i) = coordinates(postures[i]);
   // Each further centre is the posture that lies farthest from those before.
   const double spacing = kSpacingOverWidth * width;
   std::vector<Eigen::Index> chosen{0};
@@ -130,13 +128,7 @@ Eigen::Array3d ArmForm::orders(int wave) const {
 }
 
 Eigen::Vector3d ArmForm::directions(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const {
-  Eigen::Array3d turned = motors + x.segment<3>(2);
-  for (int wave = 0; wave < waves(); ++wave) {
-    const Eigen::Array3d angle = orders(wave) * motors.array();
-    const Eigen::Index first = kFirstWave + Eigen::Index{6} * wave;
-    turned +=
-        x.segment<3>(first).array() * angle.sin() + x.segment<3>(first + 3).array() * angle.cos();
-  }
+  const Eigen::Array3d turned = with_waves(motors + x.segment<3>(2), *this, motors, x);
   return sense * (joints_per_motor * turned.matrix());
 }
 
@@ -260,7 +252,8 @@ bool ArmLearner::beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorX
   if ((change.head<2>().array() / found_x_.head<2>().array()).abs().maxCoeff() > kMostGrowth)
     return true;
   // Zeros and waves may stand in for one another where a motor turns by less than a whole turn.
-  if (turns(form, motors, change).abs().maxCoeff() > kMostTurn) return true;
+  const Eigen::Array3d turns = with_waves(change.segment<3>(2), form, motors, change);
+  if (turns.abs().maxCoeff() > kMostTurn) return true;
   const Eigen::MatrixX2d deviation = kernel_ * change.tail(2 * m).reshaped(m, Eigen::Index{2});
   return m > 0 && deviation.rowwise().norm().maxCoeff() > kMostDeviation_m;
 }

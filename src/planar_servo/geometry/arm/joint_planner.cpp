@@ -28,7 +28,7 @@ std::array<MotorDrive, 3> drives_on(const Eigen::Vector3d& way,
                     {first.max_acceleration_rad_s2, second.max_acceleration_rad_s2,
                      third.max_acceleration_rad_s2});
   for (std::size_t i = 0; i < 3; ++i) {
-    const double length = std::abs(way[static_cast<int>(i)]);
+    const double length = std::abs(way[i]);
     if (length == 0.0) continue;
     drives[i].max_speed_rad_s = pace.speed * length;
     drives[i].max_acceleration_rad_s2 = pace.acceleration * length;
@@ -63,7 +63,7 @@ class Way {
       const double turn = std::abs(moves_[i].angle_at(to_s) - moves_[i].angle_at(from_s));
       const bool relative = i > 0 && transmission_.coupling_matrix()(1, 0) != 0.0;
       turned = relative ? turned + turn : turn;
-      length += arm_.geometry().link_lengths_m[static_cast<int>(i)] * turned;
+      length += arm_.geometry().link_lengths_m[i] * turned;
     }
     return length;
   }
@@ -101,18 +101,15 @@ class Way {
   Joints stopped_at(double t_s) const {
     Eigen::Vector3d motors;
     for (int i = 0; i < 3; ++i) {
-      const double speed = moves_[static_cast<std::size_t>(i)].speed_at(t_s);
-      const double brakes = drives_[static_cast<std::size_t>(i)].max_acceleration_rad_s2;
-      motors[i] = moves_[static_cast<std::size_t>(i)].angle_at(t_s) +
-                  0.5 * speed * std::abs(speed) / brakes;
+      const double speed = moves_[i].speed_at(t_s);
+      const double brakes = drives_[i].max_acceleration_rad_s2;
+      motors[i] = moves_[i].angle_at(t_s) + 0.5 * speed * std::abs(speed) / brakes;
     }
     return transmission_.joints_from_motors(motors);
   }
 
  private:
-  MotorMove move(int motor) const {
-    return {from_[motor], to_[motor], drives_[static_cast<std::size_t>(motor)]};
-  }
+  MotorMove move(int motor) const { return {from_[motor], to_[motor], drives_[motor]}; }
 
   const PlanarArm& arm_;
   const Transmission& transmission_;
@@ -135,8 +132,7 @@ void JointPlanner::plan_for(FoundArm found) {
   found.form.sense = arm_.sense();
   found.form.joints_per_motor = transmission_.coupling_matrix().inverse();
   for (int i = 0; i < 3; ++i)
-    found.form.gear_ratios[i] =
-        transmission_.settings().drives[static_cast<std::size_t>(i)].gear_ratio;
+    found.form.gear_ratios[i] = transmission_.settings().drives[i].gear_ratio;
   found_ = std::move(found);
 }
 

@@ -69,7 +69,6 @@ class JointPlanner {
   const Transmission& transmission() const { return transmission_; }
 
  private:
-  /// Returns the gap to the nearest barrier.
   ArmGap gap(const Joints& theta, const std::vector<double>& spared_m = {}) const;
   /// Returns by how much the arm is too near to each barrier; nothing where it is to none.
   std::vector<double> overlaps_m(const Joints& theta) const;

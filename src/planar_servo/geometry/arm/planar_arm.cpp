@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
@@ -51,8 +50,7 @@ std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) cons
   const double radius = p_B.norm();
   if (!(radius >= radius_min_m && radius <= radius_max_m))
     return fmt::format(
-        "{} is {:.3f} mm from the base; the workspace reaches from "
-        "{:.3f} to {:.3f} mm",
+        "{} is {:.3f} mm from the base; the workspace reaches from {:.3f} to {:.3f} mm",
         place_mm(p_B), radius / kMillimetre, mm(radius_min_m), mm(radius_max_m));
   for (const KeepOut& disc : keep_out)
     if ((p_B - disc.p_B).norm() < disc.radius_m)

@@ -98,9 +98,7 @@ class PlanarArm {
   InverseResult inverse(const TipPose& target, Elbow elbow, const Joints& near) const;
 
   Elbow elbow(const Joints& theta) const;
-
-  /// Returns the elbow's place in the base frame.
-  Eigen::Vector2d elbow_place(const Joints& theta) const;
+  Eigen::Vector2d elbow_place(const Joints& theta) const;  ///< base frame
 
   /// Returns d(x, y) / d(theta1, theta2), metres per radian.
   Eigen::Matrix2d jacobian(const Joints& theta) const;

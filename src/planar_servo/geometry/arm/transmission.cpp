@@ -77,7 +77,7 @@ std::array<DriveLimits, 3> Transmission::rated_limits() const {
   std::array<DriveLimits, 3> limits;
   for (std::size_t i = 0; i < 3; ++i) {
     const MotorDrive& motor = settings_.drives[i];
-    const double pulses_per_rad = std::abs(K_[static_cast<int>(i)]);
+    const double pulses_per_rad = std::abs(K_[i]);
     limits[i] = {pulses_per_rad * motor.max_speed_rad_s,
                  pulses_per_rad * motor.max_acceleration_rad_s2};
   }

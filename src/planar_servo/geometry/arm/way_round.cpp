@@ -203,7 +203,7 @@ CellBox box_round(const Eigen::Vector3d& begin, const Eigen::Vector3d& end,
                   const TransmissionSettings& settings, double step) {
   Eigen::Vector3d low = begin.cwiseMin(end), high = begin.cwiseMax(end);
   for (int motor = 0; motor < 2; ++motor) {
-    const Eigen::Vector2d& limits = settings.limits_rad[static_cast<std::size_t>(motor)];
+    const Eigen::Vector2d& limits = settings.limits_rad[motor];
     low[motor] = std::min(low[motor], std::max(limits[0], low[motor] - 2.0 * kPi));
     high[motor] = std::max(high[motor], std::min(limits[1], high[motor] + 2.0 * kPi));
   }

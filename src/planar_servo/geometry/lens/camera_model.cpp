@@ -45,8 +45,7 @@ CameraModel moved_camera(const CameraModel& camera, const Eigen::VectorXd& step)
   k.cx += step[2];
   k.cy += step[3];
   std::vector<double> coefficients = distortion_coefficients(camera);
-  for (Eigen::Index i = 4; i < step.size(); ++i)
-    coefficients[static_cast<std::size_t>(i - 4)] += step[i];
+  for (Eigen::Index i = 4; i < step.size(); ++i) coefficients[i - 4] += step[i];
   return camera.lens().with(k, coefficients);
 }
 

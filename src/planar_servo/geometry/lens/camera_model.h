@@ -90,12 +90,9 @@ class CameraModel {
   std::shared_ptr<const LensModel> lens_;
 };
 
+// These return what the functions k(), coefficients() and name() of the camera's LensModel do.
 Intrinsics intrinsics(const CameraModel& camera);
-
-/// Returns the model's coefficients in its order.
 std::vector<double> distortion_coefficients(const CameraModel& camera);
-
-/// Returns the model's kName.
 std::string lens_model_name(const CameraModel& camera);
 
 /// Returns the camera whose fx, fy, cx, cy and first coefficients are changed by `step`. Throws

@@ -81,9 +81,8 @@ void add_lateral(const LateralTerms& c, const Eigen::Vector2d& xy, double s, Map
 }  // namespace
 
 Polynomial polynomial(std::initializer_list<double> coefficients) {
-  Polynomial result(static_cast<Eigen::Index>(coefficients.size()));
-  std::copy(coefficients.begin(), coefficients.end(), result.data());
-  return result;
+  return Eigen::Map<const Polynomial>(coefficients.begin(),
+                                      static_cast<Eigen::Index>(coefficients.size()));
 }
 
 double value(const Polynomial& a, double s) {

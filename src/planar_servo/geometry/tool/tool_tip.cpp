@@ -8,7 +8,6 @@
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
-#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 
 namespace planar {
@@ -28,7 +27,7 @@ std::optional<Solution> solve(const std::vector<TipAtMark>& poses) {
   Eigen::MatrixXd A(2 * n, kUnknowns);
   Eigen::VectorXd b(2 * n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const TipPose& pose = poses[static_cast<std::size_t>(i)].pose;
+    const TipPose& pose = poses[i].pose;
     A.middleRows<2>(2 * i) << rotation2d(pose.phi), -Eigen::Matrix2d::Identity();
     b.segment<2>(2 * i) = -pose.p;
   }

@@ -9,7 +9,6 @@
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
-#include "planar_servo/geometry/lens/workplane.h"
 
 namespace planar {
 namespace {
@@ -30,10 +29,6 @@ constexpr double kPerspectiveShare = 0.1;  // of the field
 constexpr double kLeastWidth = 1e-3;
 // A homography whose singular values have a smaller ratio is not determined.
 constexpr double kLeastSingularRatio = 1e-4;
-
-bool is_finite(const CoarseViewRow& row) {
-  return row.p.allFinite() && row.uv_px.allFinite();
-}
 
 /// Returns the map that takes the points' centroid to 0 and their rms distance from it to 1.
 Eigen::Matrix3d normalisation(const Eigen::Matrix2Xd& points) {
@@ -270,7 +265,8 @@ std::optional<Eigen::Vector2d> CoarseView::direction(const Eigen::Vector2d& p, d
 
 std::optional<CoarseView> fit_coarse_view(const std::vector<CoarseViewRow>& rows) {
   Rows finite;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(finite), is_finite);
+  for (const CoarseViewRow& row : rows)
+    if (row.p.allFinite() && row.uv_px.allFinite()) finite.push_back(row);
   if (finite.size() < 3) return std::nullopt;
   const std::optional<Eigen::Matrix3d> H =
       finite.size() < kRobustRows ? fit_affine(finite) : fit_robust(finite);

@@ -35,10 +35,8 @@ constexpr double kLongestLateness_s = 4.0;  ///< the same of a camera that is sl
 constexpr double kSlack = 2.0;  ///< a frame may take this many times as long as the last
 constexpr double kFirstReopenPause_s = 0.1;  ///< first pause between attempts to open a lost camera
 constexpr double kLongestReopenPause_s = 2.0;
-constexpr double kReadBackPeriod_s =
-    0.1;                              ///< one setting, to see whether another program changed it
-constexpr double kOrderTime_s = 5.0;  ///< allowed to the thread and the camera
-constexpr int kFrameBlocks = 6;       ///< two are being filled, two compared, two are spare
+constexpr double kReadBackPeriod_s = 0.1;  ///< of one setting, which others may have changed
+constexpr double kOrderTime_s = 5.0;       ///< allowed to the thread and the camera
 
 AravisSettings checked(const AravisSettings& settings) {
   require_settings(settings);
@@ -58,7 +56,7 @@ struct AravisCamera::Impl {
   explicit Impl(const AravisSettings& wanted)
       : settings(checked(wanted)),
         format(pixel_format_named(settings.pixel_format)),
-        memory(kFrameBlocks, bytes_of(format, static_cast<std::size_t>(settings.sensor_px.area()))),
+        memory(settings),
         mailbox({{}, settings.sensor_px},
                 std::max(kAgeLimitPeriods / settings.frame_rate_hz, kAgeLimit_s)) {
     open();
@@ -122,8 +120,7 @@ struct AravisCamera::Impl {
     if (delivers) throw WorkError(fmt::format("it sent no good frame for {:.0f} s", age_s));
     throw WorkError(
         "it answers, but none of its frames arrives: it or this machine is too slow, or a cable, "
-        "on "
-        "GigE a firewall, rp_filter or too large packets stop them; planar-doctor examines it");
+        "on GigE a firewall, rp_filter or too large packets stop them; planar-doctor examines it");
   }
 
   void rest(double duration_s) {

@@ -20,8 +20,7 @@ class AravisCamera final : public FrameSource {
 
   cv::Size sensor_size_px() const override;
   /// Moves the region while frames stream. Another size restarts the stream and waits for its first
-  /// frame. The frames' region may be larger than asked for, because cameras place regions on a
-  /// raster.
+  /// frame. The frames' region may be larger than asked for, by the raster of the camera.
   void set_region(const cv::Rect& region_px) override;
   /// Returns a frame exposed after this call. A free-running or hardware-triggered exposure is
   /// dated by the camera's clock (CameraClock): due arrival less exposure time.
@@ -31,8 +30,7 @@ class AravisCamera final : public FrameSource {
   FrameCounts counts() const override;
   std::vector<std::pair<std::string, std::string>> features() const override;
   CameraExposure exposure() const override { return exposure_; }
-  /// Waits until the camera has taken the exposure. Throws InputError also when the time exceeds
-  /// the frame period.
+  /// Waits until the camera has taken it. Throws InputError also for more than the frame period.
   void set_exposure(const CameraExposure& exposure) override;
 
  private:

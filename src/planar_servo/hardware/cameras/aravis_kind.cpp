@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <opencv2/core.hpp>
-#include <optional>
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/text.h"
@@ -15,12 +14,10 @@
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/hardware/cameras/aravis_camera.h"
 #include "planar_servo/hardware/cameras/aravis_link.h"
-#include "planar_servo/hardware/cameras/aravis_settings.h"
 
 namespace planar {
 namespace {
 
-constexpr int kCameraBlocks = 6;  // the number that AravisCamera has
 constexpr double kTestLateness_s = 0.1, kStrobe_s = 0.2;
 
 /// The remedy where a camera answers but refuses.
@@ -141,15 +138,48 @@ struct AravisDetails final : DeviceDetails {
   AravisSettings settings;  ///< but for what every camera has
 };
 
+std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings) {
+  try {
+    const auto path = path_of(settings);
+    if (path && !path->permitted)
+      return {faulty("camera", {path->port + " may not be opened",
+                                "sudo cmake --install build/release && sudo udevadm control "
+                                "--reload && sudo udevadm trigger"})};
+    const CameraInspection seen = inspect_camera(settings, kGrab_s);
+    if (seen.refusal) return {faulty("camera", *seen.refusal)};
+    const std::string port = path ? " over " + path->port : "";
+    std::vector<Finding> findings{
+        {{fmt::format("answers{}{}: {}", settings.address.empty() ? "" : " at " + settings.address,
+                      port, seen.identity),
+          "", "camera"},
+         Verdict::kWell}};
+    if (!seen.made_plain.empty())
+      findings.push_back(
+          {{fmt::format("it changed its pictures: {}", fmt::join(seen.made_plain, "; ")),
+            "every opening sets it so; if other programs use the camera, save it as its default",
+            "pictures"},
+           Verdict::kDoubtful});
+    const CameraPath known = path.value_or(CameraPath{});
+    for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known),
+                          judge_receiving(camera, seen, known), judge_strobe(settings, seen)})
+      findings.insert(findings.end(), judged.begin(), judged.end());
+    findings.push_back(judge_frames(camera, settings, seen, known));
+    return findings;
+  } catch (const InputError& error) {
+    return {{{error.what(), "correct the cell file", "camera"}, Verdict::kFaulty}};
+  } catch (const WorkError& error) {
+    return {faulty("camera", error.refusal())};
+  }
+}
+
 }  // namespace
 
 CameraInspection inspect_camera(const AravisSettings& settings, double duration_s) {
   require_settings(settings);
   CameraInspection inspection;
   inspection.duration_s = duration_s;
-  const auto pixels = static_cast<std::size_t>(settings.sensor_px.area());
   try {
-    FrameMemory memory(kCameraBlocks, bytes_of(pixel_format_named(settings.pixel_format), pixels));
+    FrameMemory memory(settings);
     AravisLink link(settings, memory);
     inspection.identity = link.identity();
     inspection.made_plain = link.made_plain();
@@ -165,43 +195,6 @@ CameraInspection inspect_camera(const AravisSettings& settings, double duration_
     if (inspection.refusal->remedy.empty()) inspection.refusal->remedy = kCorrectSettings;
   }
   return inspection;
-}
-
-std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings) {
-  try {
-    const auto path = path_of(settings);
-    if (path && !path->permitted)
-      return {{{path->port + " may not be opened",
-                "sudo cmake --install build/release && sudo udevadm control --reload && sudo "
-                "udevadm trigger",
-                "camera"},
-               Verdict::kFaulty}};
-    const CameraInspection seen = inspect_camera(settings, kGrab_s);
-    if (seen.refusal) return {faulty("camera", *seen.refusal)};
-    const std::string port = path ? " over " + path->port : "";
-    std::vector<Finding> findings{
-        {{fmt::format("answers{}{}: {}", settings.address.empty() ? "" : " at " + settings.address,
-                      port, seen.identity),
-          "", "camera"},
-         Verdict::kWell}};
-    if (!seen.made_plain.empty())
-      findings.push_back(
-          {{fmt::format("it changed its pictures: {}", fmt::join(seen.made_plain, "; ")),
-            "every opening sets it so; if other programs use the camera, save it as "
-            "its default",
-            "pictures"},
-           Verdict::kDoubtful});
-    const CameraPath known = path.value_or(CameraPath{});
-    for (auto&& judged : {judge_packets(seen, known), judge_bandwidth(camera, seen, known),
-                          judge_receiving(camera, seen, known), judge_strobe(settings, seen)})
-      findings.insert(findings.end(), judged.begin(), judged.end());
-    findings.push_back(judge_frames(camera, settings, seen, known));
-    return findings;
-  } catch (const InputError& error) {
-    return {{{error.what(), "correct the cell file", "camera"}, Verdict::kFaulty}};
-  } catch (const WorkError& error) {
-    return {faulty("camera", error.refusal())};
-  }
 }
 
 std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path) {

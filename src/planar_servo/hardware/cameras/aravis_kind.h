@@ -33,25 +33,17 @@ struct CameraInspection {
 /// for settings that no camera can have.
 CameraInspection inspect_camera(const AravisSettings& settings, double duration_s);
 
-/// Opens a camera as a run would and lets it send full frames for two seconds. Finds whether it
-/// answers and may be used, whether the link carries its packets and frames, and whether frames
-/// came damaged, late or not at all.
-std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSettings& settings);
+// The checks of AravisKind::examine(). There is no finding on what is not known.
 
-// The checks of examine_camera().
-
-/// Judges whether packets pass the network; a camera on USB has none. No finding where nothing is
-/// known.
+/// Judges whether packets pass the network; a camera on USB has none.
 std::vector<Finding> judge_packets(const CameraInspection& seen, const CameraPath& path);
 
 /// Judges whether full frames, and those of the follow region, come at the frame rate of the file.
-/// No finding where the speed is unknown.
 std::vector<Finding> judge_bandwidth(const CameraSettings& camera, const CameraInspection& seen,
                                      const CameraPath& path);
 
 /// Judges whether this machine takes in packets as fast as they come: what the socket and the
-/// network card's ring can hold while no program runs, and how often the card interrupts. No
-/// finding for what is not known.
+/// network card's ring can hold while no program runs, and how often the card interrupts.
 std::vector<Finding> judge_receiving(const CameraSettings& camera, const CameraInspection& seen,
                                      const CameraPath& path);
 
@@ -62,8 +54,7 @@ std::vector<Finding> judge_strobe(const AravisSettings& settings, const CameraIn
 Finding judge_frames(const CameraSettings& camera, const AravisSettings& settings,
                      const CameraInspection& seen, const CameraPath& path);
 
-/// Judges whether the kernel gives USB enough memory for a USB3 camera. `parameter` is the kernel's
-/// file.
+/// Judges whether the kernel, by its file `parameter`, gives USB enough memory for a USB3 camera.
 Finding examine_usb_memory(
     const std::filesystem::path& parameter = "/sys/module/usbcore/parameters/usbfs_memory_mb");
 
@@ -73,6 +64,7 @@ class AravisKind final : public CameraKind {
   std::string name() const override { return "aravis"; }
   std::shared_ptr<const DeviceDetails> read(Fields& camera) const override;
   std::shared_ptr<FrameSource> open(const CellSettings& cell) const override;
+  /// Opens the camera as a run would and lets it send full frames for two seconds.
   std::vector<Finding> examine(const CellSettings& cell) const override;
 };
 

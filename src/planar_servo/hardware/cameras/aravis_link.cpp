@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
-#include <utility>
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
@@ -62,14 +61,14 @@ double CameraClock::due_s(double device_s, double arrival_s) {
   return believed_ ? due_s : arrival_s;
 }
 
-void FrameMemory::Free::operator()(std::uint8_t* block) const {
-  std::free(block);
-}
-
-FrameMemory::FrameMemory(int blocks, std::size_t bytes)
-    : bytes_((bytes + kPageBytes - 1) / kPageBytes * kPageBytes) {
-  for (int i = 0; i < blocks; ++i) {
-    blocks_.emplace_back(static_cast<std::uint8_t*>(std::aligned_alloc(kPageBytes, bytes_)));
+FrameMemory::FrameMemory(const AravisSettings& settings) {
+  constexpr int kBlocks = 6;  // two are being filled, two compared, two are spare
+  const std::size_t largest = bytes_of(pixel_format_named(settings.pixel_format),
+                                       static_cast<std::size_t>(settings.sensor_px.area()));
+  bytes_ = (largest + kPageBytes - 1) / kPageBytes * kPageBytes;
+  for (int i = 0; i < kBlocks; ++i) {
+    blocks_.emplace_back(static_cast<std::uint8_t*>(std::aligned_alloc(kPageBytes, bytes_)),
+                         std::free);
     if (!blocks_.back()) throw WorkError("there is no memory for the camera's frames");
   }
 }
@@ -150,8 +149,8 @@ struct AravisLink::Impl {
           {fmt::format("the camera's frames have {} bytes, but at most {} were expected", payload,
                        memory.bytes()),
            "see which of its settings adds data to its frames"});
-    for (int i = 0; i < memory.blocks(); ++i)
-      arv_stream_push_buffer(stream.get(), arv_buffer_new(payload, memory.block(i)));
+    for (const FrameMemory::Block& block : memory.blocks())
+      arv_stream_push_buffer(stream.get(), arv_buffer_new(payload, block.get()));
   }
 
   bool repeats_last(ArvBuffer* buffer, const Arrival& arrival) {
@@ -213,7 +212,7 @@ AravisLink::AravisLink(const AravisSettings& settings, FrameMemory& memory)
     : impl_(std::make_unique<Impl>(settings, memory)) {}
 AravisLink::~AravisLink() = default;
 
-cv::Rect AravisLink::start(const cv::Rect& region_px) {
+void AravisLink::start(const cv::Rect& region_px) {
   impl_->stop_stream();
   const cv::Rect fitted = impl_->fitted(region_px);
   ask("the camera refuses the region", [&](GError** e) {
@@ -226,10 +225,9 @@ cv::Rect AravisLink::start(const cv::Rect& region_px) {
   impl_->streaming = true;
   spdlog::debug(fmt::format("the camera streams {} x {} px at ({}, {}), {} bytes a frame",
                             fitted.width, fitted.height, fitted.x, fitted.y, impl_->frame_bytes()));
-  return fitted;
 }
 
-cv::Rect AravisLink::move(const cv::Rect& region_px) {
+void AravisLink::move(const cv::Rect& region_px) {
   const cv::Rect fitted = impl_->fitted(region_px);
   ArvDevice* const device = arv_camera_get_device(impl_->camera.get());
   const auto set = [&](const char* feature, int value) {
@@ -238,7 +236,6 @@ cv::Rect AravisLink::move(const cv::Rect& region_px) {
   };
   set("OffsetX", fitted.x);
   set("OffsetY", fitted.y);
-  return fitted;
 }
 
 void AravisLink::expose(const CameraExposure& exposure) {

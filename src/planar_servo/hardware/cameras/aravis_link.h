@@ -31,8 +31,7 @@ class CameraClock {
   /// of their arrival. Throws std::invalid_argument unless both times are finite.
   double due_s(double device_s, double arrival_s);
 
-  /// Returns false once the clock was found to run slow; from then on every frame is due when it
-  /// arrives.
+  /// Returns false once the clock was found to run slow; frames are due when they arrive then.
   bool believed() const { return believed_; }
 
  private:
@@ -42,25 +41,23 @@ class CameraClock {
   bool believed_{true};
 };
 
-/// Memory for the frames that a camera fills, allocated once for its largest frame.
+/// Memory for the frames that a camera with these settings fills, allocated once.
 class FrameMemory {
  public:
-  FrameMemory(int blocks, std::size_t bytes);
-  int blocks() const { return static_cast<int>(blocks_.size()); }
+  using Block = std::unique_ptr<std::uint8_t, void (*)(void*)>;
+
+  explicit FrameMemory(const AravisSettings& settings);
+  const std::vector<Block>& blocks() const { return blocks_; }
+  /// Returns the size of a block.
   std::size_t bytes() const { return bytes_; }
-  std::uint8_t* block(int i) { return blocks_.at(static_cast<std::size_t>(i)).get(); }
 
  private:
-  struct Free {
-    void operator()(std::uint8_t* block) const;
-  };
-  std::vector<std::unique_ptr<std::uint8_t, Free>> blocks_;
-  std::size_t bytes_;
+  std::vector<Block> blocks_;
+  std::size_t bytes_{0};
 };
 
 /// One connection to a camera, from opening to loss. Its calls may block for seconds when the
-/// camera is gone, so use it from a thread of its own. Every failure throws WorkError; after that
-/// the connection cannot be used.
+/// camera is gone, so use it from a thread of its own. A failure ends it and throws WorkError.
 class AravisLink {
  public:
   /// A frame as it came. Its data stay valid until the next receive() or start().
@@ -78,38 +75,28 @@ class AravisLink {
   AravisLink(const AravisSettings& settings, FrameMemory& memory);
   ~AravisLink();
 
-  /// Starts to stream this region and ends any stream before. Returns the region that the camera
-  /// takes: the smallest on its raster that contains the wanted one.
-  cv::Rect start(const cv::Rect& region_px);
+  /// Ends any stream and starts one of the smallest region on the camera's raster that holds this.
+  void start(const cv::Rect& region_px);
 
-  /// Moves the region while the stream continues, and returns it as start() does. Its size must be
-  /// that given to start().
-  cv::Rect move(const cv::Rect& region_px);
-
-  /// Sets exposure time and gain while the stream continues.
+  // These act while the stream continues.
+  /// Moves the region. Its size must be that given to start().
+  void move(const cv::Rect& region_px);
   void expose(const CameraExposure& exposure);
-
-  /// Switches the strobe of the settings on or off while the stream continues.
+  /// Switches the strobe of the settings on or off.
   void light(bool on);
-
   /// Starts one exposure by command.
   void trigger();
-
   /// Waits for a frame; empty when none comes in time.
   std::optional<Arrival> receive(double timeout_s);
-
-  /// Returns whether the camera has not answered for some seconds or its cable is out.
-  bool lost() const;
-
-  /// Returns maker, model, firmware and serial number, as far as the camera tells them.
-  std::string identity() const;
-
-  /// Returns the settings on which pictures depend, as opening or expose() left them.
-  const std::vector<std::pair<std::string, std::string>>& features() const;
-
   /// Reads one of features() back, each time the next.
   void require_unchanged();
 
+  /// Returns whether the camera has not answered for some seconds or its cable is out.
+  bool lost() const;
+  /// Returns maker, model, firmware and serial number, as far as the camera tells them.
+  std::string identity() const;
+  /// Returns the settings on which pictures depend, as opening or expose() left them.
+  const std::vector<std::pair<std::string, std::string>>& features() const;
   /// Returns what opening has undone of what the camera did to its pictures; see make_plain().
   const std::vector<std::string>& made_plain() const;
 

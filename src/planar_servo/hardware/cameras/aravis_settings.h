@@ -32,8 +32,7 @@ PixelFormat pixel_format_named(const std::string& name);
 /// Returns the bytes that `pixels` pixels take.
 std::size_t bytes_of(PixelFormat format, std::size_t pixels);
 
-/// Returns the upper eight bits of every pixel, CV_8UC1. `data` holds bytes_of(format, size.area())
-/// bytes, rows without padding.
+/// Returns the upper eight bits of every pixel, CV_8UC1. The rows of `data` are not padded.
 cv::Mat unpack(PixelFormat format, const std::uint8_t* data, cv::Size size);
 
 /// An output of the camera that switches the lamps on while it exposes.
@@ -86,8 +85,7 @@ struct CameraPath {
 /// InputError unless `address` is an IPv4 address, and WorkError when no network leads there.
 std::string local_address_towards(const std::string& address);
 
-/// Returns the network interface towards a GigE camera; throws like local_address_towards(). `sys`
-/// is where sysfs is mounted.
+/// Returns the network interface towards a GigE camera; throws like local_address_towards().
 CameraPath find_network_path(const std::string& address, const std::filesystem::path& sys = "/sys");
 
 /// Returns the port of the USB camera with this serial number, or of the first one when `serial` is

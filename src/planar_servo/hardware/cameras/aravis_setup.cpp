@@ -6,11 +6,8 @@
 #include <cstdlib>
 #include <initializer_list>
 #include <optional>
-#include <type_traits>
-#include <utility>
 
 #include "planar_servo/base/core/clock.h"
-#include "planar_servo/hardware/cameras/aravis_settings.h"
 
 namespace planar {
 namespace {

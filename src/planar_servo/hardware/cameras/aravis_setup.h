@@ -21,8 +21,7 @@ struct Unref {
 template <typename T>
 using GObjectPtr = std::unique_ptr<T, Unref>;
 
-/// Makes a call that reports its failure by GError, and throws it as a WorkError that begins with
-/// `what`.
+/// Makes a call that reports failure by GError, and throws that as a WorkError behind `what`.
 template <typename Call>
 auto ask(const std::string& what, Call call) {
   GError* error = nullptr;

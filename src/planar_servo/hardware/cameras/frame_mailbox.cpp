@@ -14,12 +14,6 @@ double now_s() {
   return SteadyClock().now_s();
 }
 
-std::chrono::steady_clock::time_point at(double t_s) {
-  return std::chrono::steady_clock::time_point(
-      std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-          std::chrono::duration<double>(t_s)));
-}
-
 }  // namespace
 
 FrameMailbox::FrameMailbox(const cv::Rect& region_px, double age_limit_s)
@@ -36,24 +30,23 @@ void FrameMailbox::ask_region(const cv::Rect& region_px) {
 
 FrameResult FrameMailbox::next(double timeout_s) {
   std::unique_lock<std::mutex> lock(mutex_);
-  const double start_s = now_s();
-  wanted_since_s_ = start_s;
+  wanted_since_s_ = now_s();
   frame_.reset();
-  return wait(lock, start_s + timeout_s);
+  return wait(lock, timeout_s);
 }
 
 FrameResult FrameMailbox::following(double timeout_s) {
   std::unique_lock<std::mutex> lock(mutex_);
-  const double start_s = now_s();
-  if (!wanted_since_s_) wanted_since_s_ = start_s;
-  return wait(lock, start_s + timeout_s);
+  if (!wanted_since_s_) wanted_since_s_ = now_s();
+  return wait(lock, timeout_s);
 }
 
-FrameResult FrameMailbox::wait(std::unique_lock<std::mutex>& lock, double deadline_s) {
+FrameResult FrameMailbox::wait(std::unique_lock<std::mutex>& lock, double timeout_s) {
   last_trouble_ = FrameStatus::kTimeout;
   waiting_ = true;
   changed_.notify_all();
-  changed_.wait_until(lock, at(deadline_s), [&] { return frame_ || lost_; });
+  changed_.wait_for(lock, std::chrono::duration<double>(timeout_s),
+                    [&] { return frame_ || lost_; });
   waiting_ = false;
   if (!frame_) {
     wanted_since_s_.reset();
@@ -89,8 +82,8 @@ cv::Rect FrameMailbox::region() const {
 
 void FrameMailbox::sleep_until(double deadline_s, const cv::Rect& region_px) {
   std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait_until(lock, at(deadline_s),
-                      [&] { return woken_ || (waiting_ && !frame_) || region_px_ != region_px; });
+  changed_.wait_for(lock, std::chrono::duration<double>(deadline_s - now_s()),
+                    [&] { return woken_ || (waiting_ && !frame_) || region_px_ != region_px; });
 }
 
 void FrameMailbox::wake() {

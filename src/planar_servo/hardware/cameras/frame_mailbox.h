@@ -47,7 +47,7 @@ class FrameMailbox {
   double age_s() const;
 
  private:
-  FrameResult wait(std::unique_lock<std::mutex>& lock, double deadline_s);
+  FrameResult wait(std::unique_lock<std::mutex>& lock, double timeout_s);
   double age_locked_s() const;
 
   mutable std::mutex mutex_;

@@ -83,13 +83,11 @@ struct TrackerSettings {
   std::optional<double> bias_m;
   std::shared_ptr<const DeviceDetails> details;  ///< the settings that only this kind has
 
-  /// Returns the standard deviation per axis of a reading at this distance from the tracker,
-  /// metres.
+  /// Returns the standard deviation per axis of a reading this far from the tracker, metres.
   double sigma_at(double range_m) const { return sigma_m + sigma_m_per_m * range_m; }
 };
 
-/// Holds everything that is known of a cell before it is calibrated, in SI units: the contents of a
-/// cell file.
+/// Holds what is known of a cell before it is calibrated, in SI units: the contents of a cell file.
 struct CellSettings {
   std::filesystem::path file;  ///< the cell file from which this was read
   CameraSettings camera;
@@ -112,8 +110,7 @@ struct CellSettings {
   std::optional<std::filesystem::path> truth;  ///< the truth file of a virtual cell
 };
 
-/// Returns a planner of moves within the limits and the workspace of the cell's arm, with its
-/// elbow.
+/// Returns a planner of moves within limits and workspace of the cell's arm, with its elbow.
 JointPlanner joint_planner(const CellSettings& cell);
 
 }  // namespace planar

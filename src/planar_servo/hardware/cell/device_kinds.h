@@ -30,8 +30,7 @@ inline Finding faulty(const std::string& subject, const Refusal& refusal,
           Finding::Verdict::kFaulty};
 }
 
-/// Base of the settings that only one kind of device has. Each kind derives its own and alone reads
-/// them.
+/// Base of the settings that only one kind of device has, and alone reads.
 struct DeviceDetails {
   virtual ~DeviceDetails() = default;
 };
@@ -44,17 +43,14 @@ class DeviceKind {
   /// Returns the name of this kind in a cell file.
   virtual std::string name() const = 0;
 
-  /// Returns true for devices that exist only in a virtual cell. Virtual and real devices do not
-  /// mix.
+  /// Returns true for devices of a virtual cell. Virtual and real devices do not mix.
   virtual bool is_virtual() const { return false; }
 
-  /// Says what is well with a cell's devices of this kind and what is not. It moves nothing and
-  /// switches nothing on.
+  /// Says how a cell's devices of this kind are. It moves nothing and switches nothing on.
   virtual std::vector<Finding> examine(const CellSettings& cell) const = 0;
 };
 
-/// One kind of camera. It reads its own keys of a cell file's `camera` block, opens the camera, and
-/// examines it for the doctor.
+/// One kind of camera, with its own keys of a cell file's `camera` block.
 class CameraKind : public DeviceKind {
  public:
   /// Returns why no camera of this kind can be opened and what to do instead; empty when one can.
@@ -63,14 +59,12 @@ class CameraKind : public DeviceKind {
   /// Reads the keys that only this kind has. Faults go to the document.
   virtual std::shared_ptr<const DeviceDetails> read(Fields& /*camera*/) const { return nullptr; }
 
-  /// Opens the camera of a cell whose camera is of this kind; that of a virtual kind is part of the
-  /// virtual cell. Throws WorkError when the camera does not answer, and InputError for settings
-  /// that it cannot have.
+  /// Opens a cell's camera, unless it is virtual. Throws WorkError when it does not answer, and
+  /// InputError for settings that it cannot have.
   virtual std::shared_ptr<FrameSource> open(const CellSettings& /*cell*/) const { return nullptr; }
 };
 
-/// One kind of drive. It reads its own keys of an item of `drives`, opens the drives, and examines
-/// them for the doctor. The three joints of a cell have drives of one kind.
+/// One kind of drive, with its own keys of an item of `drives`. A cell's three are of one kind.
 class DriveKind : public DeviceKind {
  public:
   /// Returns the lines of an item of `drives` in a new cell file that hold the keys which only this
@@ -89,13 +83,11 @@ class DriveKind : public DeviceKind {
   /// straight line; else each goes as fast as it may.
   virtual bool moves_straight() const { return true; }
 
-  /// Opens the drives of a cell whose drives are of this kind, unless that is virtual. Throws
-  /// DriveError when a drive cannot be used.
+  /// Opens a cell's drives, unless they are virtual. Throws DriveError when one cannot be used.
   virtual std::shared_ptr<DriveGroup> open(const CellSettings& /*cell*/) const { return nullptr; }
 };
 
-/// One kind of tracker. It reads its own keys of a cell file's `tracker` block, opens the tracker,
-/// and examines it for the doctor.
+/// One kind of tracker, with its own keys of a cell file's `tracker` block.
 class TrackerKind : public DeviceKind {
  public:
   /// Returns false when what this kind opens never gives a reading.
@@ -107,8 +99,7 @@ class TrackerKind : public DeviceKind {
   /// Reads the keys that only this kind has. Faults go to the document.
   virtual std::shared_ptr<const DeviceDetails> read(Fields& /*tracker*/) const { return nullptr; }
 
-  /// Opens the tracker of a cell whose tracker is of this kind, unless that is virtual. Throws
-  /// WorkError when the tracker cannot be heard at all.
+  /// Opens a cell's tracker, unless it is virtual. Throws WorkError when it cannot be heard at all.
   virtual std::shared_ptr<Tracker> open(const CellSettings& /*cell*/) const { return nullptr; }
 };
 

@@ -207,9 +207,8 @@ Finding examine_tic(TicBus& bus, const std::string& subject, const std::string& 
       "{} {} at {}, firmware {}, supply {:.1f} V", tic::product_name(tic.listing.product_id),
       serial, tic.listing.device, tic::firmware_name(tic.listing.firmware), tic.supply_v);
   if (!tic.faults.empty())
-    return {{fmt::format("{}: {}", what, fmt::join(tic.faults, ", ")),
-             "remove the cause, then enable the drives with planar-jog", subject},
-            Verdict::kFaulty};
+    return faulty(subject, {fmt::format("{}: {}", what, fmt::join(tic.faults, ", ")),
+                            "remove the cause, then enable the drives with planar-jog"});
   if (!tic.position_certain)
     return {{what + "; it does not know where it stands", "home it with planar-jog", subject},
             Verdict::kDoubtful};
@@ -304,14 +303,11 @@ std::vector<Finding> TicKind::examine(const CellSettings& cell) const {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string subject = fmt::format("drive {}", i + 1);
     findings.push_back(examine_tic(bus, subject, tic_settings(cell.drives[i]).serial));
-    const std::string excess =
-        excess_of(cell.transmission.drives[i], pulses_per_rad[static_cast<int>(i)]);
+    const std::string excess = excess_of(cell.transmission.drives[i], pulses_per_rad[i]);
     if (!excess.empty())
-      findings.push_back({{excess,
-                           "lower max_speed_deg_s and max_acceleration_deg_s2 in the cell file, or "
-                           "set fewer microsteps",
-                           subject},
-                          Verdict::kFaulty});
+      findings.push_back(faulty(subject, {excess,
+                                          "lower max_speed_deg_s and max_acceleration_deg_s2 in "
+                                          "the cell file, or set fewer microsteps"}));
   }
   return findings;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
+
 #include <array>
 #include <optional>
 #include <string>
@@ -9,16 +11,56 @@
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/hardware/drives/grbl_board.h"
 #include "planar_servo/hardware/drives/grbl_protocol.h"
-#include "planar_servo/hardware/drives/jog_path.h"
 
 namespace planar {
+
+/// Positions of a board's axes X, Y, Z, pulses.
+using AxisPulses = Eigen::Vector3i;
+
+/// The limits of one axis of a board, in its lengths.
+struct AxisLimits {
+  double pulses_per_mm{250.0};
+  double speed_mm_s{0.0};
+  double acceleration_mm_s2{0.0};
+};
+
+/// Returns how far beyond a position that is passed at `speed` a motion may be queued so that, left
+/// alone, it ends at rest within `duration`. It speeds up to `top_speed` at most. One set of units.
+double reach(double speed, double top_speed, double acceleration, double duration);
+
+/// A straight way of a board's axes, handed out in short pieces as it is travelled, so that the
+/// board never has more in its queue than it travels in grbl::kLongestRun_s.
+class JogPath {
+ public:
+  JogPath(const AxisPulses& from, const AxisPulses& to, const std::array<AxisLimits, 3>& limits);
+
+  /// Returns the end of the next piece for axes that are here. Empty while enough, or all, is sent.
+  std::optional<AxisPulses> next_piece(const AxisPulses& here);
+
+  /// Returns the end of the last piece that was handed out.
+  const AxisPulses& sent() const { return sent_; }
+  bool all_sent() const { return sent_ == to_; }
+  double speed_mm_s() const { return speed_; }
+  /// Returns whether a target can be reached from here, by the end of the last piece, without any
+  /// axis turning back.
+  bool leads_to(const AxisPulses& target, const AxisPulses& here) const;
+
+ private:
+  Eigen::Vector3d in_mm(const AxisPulses& pulses) const;
+
+  AxisPulses from_, to_, sent_;
+  Eigen::Vector3d pulses_per_mm_;
+  Eigen::Vector3d direction_{0.0, 0.0, 0.0};
+  double length_{0.0}, speed_{0.0}, acceleration_{0.0};  // mm and seconds
+  double sent_length_{0.0};
+};
 
 /// Filters a board's reports. Grbl's lines have no checksum, so a single report may be garbled: a
 /// position off the way, or an input that is pressed or released, is accepted when the next report
 /// agrees. The way is a box of all positions where the axes may be.
 class GrblWatch {
  public:
-  explicit GrblWatch(const Eigen::Vector3d& pulses_per_mm);
+  explicit GrblWatch(const Eigen::Vector3d& pulses_per_mm) : pulses_per_mm_(pulses_per_mm) {}
 
   void take(const grbl::Report& report);
   /// Returns whether garbage must end a move; garbled reports do when there are several in a row.
@@ -70,12 +112,10 @@ class GrblWatch {
 /// grbl::kLongestRun_s, so that it stops when its caller does.
 ///
 /// Anything unexpected from the board ends the move: the board brakes to rest, and faults() says
-/// why until it is unlocked. All methods but the queries throw WorkError when the board is out of
-/// touch.
+/// why until it is unlocked. All methods but the queries throw WorkError when it is out of touch.
 class GrblAxes {
  public:
-  /// Opens the board, which resets it; moves nothing. Throws WorkError with the remedy when it
-  /// cannot be used.
+  /// Opens and resets the board. Throws WorkError with the remedy when it cannot be used.
   explicit GrblAxes(const GrblSettings& settings);
   /// Brakes; ends a search abruptly.
   ~GrblAxes();
@@ -106,8 +146,7 @@ class GrblAxes {
   bool unlocked() const { return unlocked_; }
   /// Returns the board's state as a fault, in words. Empty when it can take moves.
   std::string state_words() const { return grbl::state_words(watch_.state()); }
-  /// Returns whether a person or a safety circuit has stopped it since it was unlocked, or may
-  /// have.
+  /// Returns whether a person or a safety circuit may have stopped it since it was unlocked.
   bool stopped_by_hand() const;
   /// Returns how often the axes' position was lost.
   int losses() const { return losses_; }

@@ -14,15 +14,15 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <system_error>
 #include <variant>
-#include <vector>
 
+#include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
 
 namespace planar {
@@ -40,10 +40,6 @@ struct Baud {
 constexpr Baud kBauds[] = {{9600, B9600},     {19200, B19200},   {38400, B38400},
                            {57600, B57600},   {115200, B115200}, {230400, B230400},
                            {460800, B460800}, {921600, B921600}, {1000000, B1000000}};
-
-std::string why_errno() {
-  return std::generic_category().message(errno);
-}
 
 std::string ports_here() {
   std::vector<std::string> names;
@@ -122,7 +118,7 @@ Refusal why_not_opened(const std::string& port) {
     case EBUSY:
       return in_use(port);
     default:
-      return {fmt::format("{} cannot be opened: {}", port, why_errno()),
+      return {fmt::format("{} cannot be opened: {}", port, std::strerror(errno)),
               "name the board's serial port as `port` in the cell file"};
   }
 }
@@ -194,7 +190,7 @@ void SerialLine::write(std::string_view bytes) {
     if (sent > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     } else if (errno != EAGAIN && errno != EINTR) {
-      throw WorkError("its line is closed: " + why_errno());
+      throw WorkError(fmt::format("its line is closed: {}", std::strerror(errno)));
     } else if (!wait_for(POLLOUT, kWritePatience_s)) {
       throw WorkError("its line accepts nothing more");
     }
@@ -210,7 +206,8 @@ std::optional<std::string> SerialLine::take_line() {
 }
 
 std::optional<std::string> SerialLine::read(double timeout_s) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  const SteadyClock clock;
+  const double deadline_s = clock.now_s() + timeout_s;
   for (;;) {
     if (auto line = take_line()) return line;
     std::array<char, 512> bytes{};
@@ -221,10 +218,11 @@ std::optional<std::string> SerialLine::read(double timeout_s) {
     }
     if (got == 0) throw WorkError("its line is closed: is it unplugged?");
     if (errno != EAGAIN && errno != EINTR)
-      throw WorkError(fmt::format("its line is closed: is it unplugged? ({})", why_errno()));
-    const std::chrono::duration<double> left = deadline - std::chrono::steady_clock::now();
-    if (left.count() <= 0.0) return std::nullopt;
-    wait_for(POLLIN, left.count());
+      throw WorkError(
+          fmt::format("its line is closed: is it unplugged? ({})", std::strerror(errno)));
+    const double left_s = deadline_s - clock.now_s();
+    if (left_s <= 0.0) return std::nullopt;
+    wait_for(POLLIN, left_s);
   }
 }
 
@@ -291,10 +289,10 @@ bool GrblBoard::boots() const {
 }
 
 std::optional<grbl::Banner> GrblBoard::hear_banner(double timeout_s, std::string& otherwise) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  const SteadyClock clock;
+  const double deadline_s = clock.now_s() + timeout_s;
   for (;;) {
-    const std::chrono::duration<double> left = deadline - std::chrono::steady_clock::now();
-    const auto line = hear(std::max(0.0, left.count()));
+    const auto line = hear(std::max(0.0, deadline_s - clock.now_s()));
     if (!line) return std::nullopt;
     if (const auto* banner = std::get_if<grbl::Banner>(&*line)) return *banner;
     if (const auto* garbage = std::get_if<grbl::Garbage>(&*line)) otherwise = garbage->text;

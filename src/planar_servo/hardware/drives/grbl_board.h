@@ -15,8 +15,7 @@ namespace planar {
 /// kept from others where the system can do that.
 class SerialLine {
  public:
-  /// Opens the port at a speed that is among bauds(). Throws WorkError with the remedy when that
-  /// fails.
+  /// Opens the port at one of the bauds(). Throws WorkError with the remedy when that fails.
   SerialLine(const std::string& port, int baud);
   ~SerialLine();
   SerialLine(const SerialLine&) = delete;
@@ -29,8 +28,7 @@ class SerialLine {
   void write(std::string_view bytes);
 
   /// Returns the next line, without its end, as soon as it has come. Empty when none comes within
-  /// the time; with a time of 0, only lines that have already come are returned. A line that never
-  /// ends is cut. Throws WorkError when the line is closed.
+  /// the time. A line that never ends is cut. Throws WorkError when the port is closed.
   std::optional<std::string> read(double timeout_s);
 
  private:
@@ -59,8 +57,7 @@ class GrblBoard {
   void send(const std::string& line);
   /// Returns the next line from the board. Empty when none comes within this time.
   std::optional<grbl::Line> hear(double timeout_s);
-  /// Resets the board, which discards what it was told to do. Throws WorkError when it does not
-  /// come back.
+  /// Resets the board, which discards all orders. Throws WorkError when it does not come back.
   void reset();
 
   /// Returns the letters of the inputs that are on, in two reports in a row.

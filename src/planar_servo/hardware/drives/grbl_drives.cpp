@@ -4,8 +4,6 @@
 
 #include <cstdlib>
 
-#include "planar_servo/base/devices/drive_group.h"
-
 namespace planar {
 namespace {
 
@@ -86,8 +84,8 @@ void GrblDrives::heed_axes() {
 std::array<AxisLimits, 3> GrblDrives::axis_limits() const {
   std::array<AxisLimits, 3> limits;
   for (std::size_t i = 0; i < 3; ++i)
-    limits[axis(i).index()] = {axis(i).pulses_per_mm, speeds_pulses_s_[i] / axis(i).pulses_per_mm,
-                               axis(i).acceleration_pulses_s2 / axis(i).pulses_per_mm};
+    limits[index(i)] = {axis(i).pulses_per_mm, speeds_pulses_s_[i] / axis(i).pulses_per_mm,
+                        axis(i).acceleration_pulses_s2 / axis(i).pulses_per_mm};
   return limits;
 }
 
@@ -120,7 +118,7 @@ void GrblDrives::set_limits(const std::array<DriveLimits, 3>& limits) {
 void GrblDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) {
   require_touch("move");
   for (std::size_t i = 0; i < 3; ++i)
-    if (const auto& faults = axes_->faults(axis(i).index()); !faults.empty())
+    if (const auto& faults = axes_->faults(index(i)); !faults.empty())
       throw DriveError(fmt::format("{} cannot move: {}", name(), faults.front()));
   if (!axes_->unlocked() || axes_->searching())
     throw DriveError(fmt::format("{} cannot move: it is {}", name(),
@@ -158,17 +156,16 @@ DriveStatus GrblDrives::status_of(std::size_t joint) const {
   status.energized = axes_->unlocked() && state.empty();
   status.moving = axes_->moving();
   status.homing = homing_joint_ == joint;
-  status.faults = axes_->faults(axis(joint).index());
+  status.faults = axes_->faults(index(joint));
   if (!state.empty()) status.faults.push_back(state);
   status.stopped_by_hand = axes_->stopped_by_hand();
   return status;
 }
 
 void GrblDrives::start_homing(int joint, HomeDirection /*direction*/) {
-  const auto i = static_cast<std::size_t>(joint);
-  Joint& homed = joints_.at(i);
+  Joint& homed = joints_.at(joint);
   require_touch("be homed");
-  if (!is_switch(axis(i).home))
+  if (!is_switch(axis(joint).home))
     throw DriveError(fmt::format("drive {} has no home switch in the cell file", joint + 1));
   if (axes_->moving() || !axes_->unlocked())
     throw DriveError(fmt::format("{} cannot be homed: it {}", name(),
@@ -179,17 +176,16 @@ void GrblDrives::start_homing(int joint, HomeDirection /*direction*/) {
     return;
   }
   command("be homed", [this] { axes_->search_switches(); });
-  homing_joint_ = i;
+  homing_joint_ = joint;
 }
 
 void GrblDrives::set_position(int joint, std::int32_t position_pulses) {
-  const auto i = static_cast<std::size_t>(joint);
-  Joint& set = joints_.at(i);
+  Joint& set = joints_.at(joint);
   poll();
   require_touch("take a position");
   if (axes_->moving())
     throw DriveError(fmt::format("{} moves; it can be told where it stands only at rest", name()));
-  set.zero_pulses = axes_->here()[index(i)] - position_pulses;
+  set.zero_pulses = axes_->here()[index(joint)] - position_pulses;
   set.certain = true;
 }
 

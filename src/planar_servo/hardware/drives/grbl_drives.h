@@ -20,17 +20,14 @@ class GrblDrives final : public DriveGroup {
   /// Opens the board; moves nothing. Throws DriveError with the remedy when it cannot be used.
   explicit GrblDrives(const GrblSettings& settings);
 
-  /// Unlocks the board after an alarm, or ends a hold. The status of a board that stays locked says
-  /// why.
+  /// Unlocks the board after an alarm, or ends a hold. status() says why one stays locked.
   void energize() override;
   /// The speeds hold for the next targets. The accelerations are the board's own; lower ones are
   /// ignored. Throws InputError for limits beyond the cell's.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
-  /// During a move the axes continue from the end of what is queued if the targets lie beyond it,
-  /// and otherwise brake first.
+  /// As GrblAxes::go_to().
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
-  /// Brakes to rest and waits for it; the positions stay certain. A search for the home switches
-  /// ends abruptly.
+  /// As GrblAxes::halt().
   void halt() override;
   std::array<DriveStatus, 3> status() override;
   /// The board searches for the switches of all axes at once; calling this for the other joints
@@ -64,7 +61,7 @@ class GrblDrives final : public DriveGroup {
   AxisPulses axis_pulses(const std::array<std::int32_t, 3>& joint_pulses) const;
   std::array<AxisLimits, 3> axis_limits() const;
   const GrblAxis& axis(std::size_t joint) const { return settings_.axes[joint]; }
-  int index(std::size_t joint) const { return static_cast<int>(axis(joint).index()); }
+  std::size_t index(std::size_t joint) const { return axis(joint).index(); }
   std::string name() const { return "the board at " + settings_.port; }
 
   GrblSettings settings_;

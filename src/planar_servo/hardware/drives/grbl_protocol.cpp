@@ -7,7 +7,6 @@
 #include <cmath>
 #include <system_error>
 #include <type_traits>
-#include <vector>
 
 #include "planar_servo/base/core/text.h"
 
@@ -178,13 +177,13 @@ std::string fluidnc_path(const FluidncSetting& setting, int axis) {
   return fmt::format("/axes/{}/{}", kFluidncAxes[axis], setting.name);
 }
 
-/// Returns the path of a setting that Grbl numbers so; empty where FluidNC numbers it, too.
+/// Returns the path of a setting that Grbl numbers so; the number where FluidNC has it, too.
 std::string fluidnc_path(int number) {
   if (number == 1) return kFluidncIdle;
   for (const FluidncSetting& setting : kFluidncAxis)
     if (number >= setting.number && number < setting.number + 3)
       return fluidnc_path(setting, number - setting.number);
-  return "";
+  return std::to_string(number);
 }
 
 /// Parses "/axes/x/steps_per_mm=250.000", the rest of a line of FluidNC.
@@ -297,14 +296,12 @@ class Comparison {
     if (number == kHomingDirections) {
       for (int axis = 0; axis < 3; ++axis)
         commands_.push_back(
-            fmt::format("$/axes/{}/homing/positive_direction={}", kFluidncAxes[axis],
+            fmt::format("${}={}", fluidnc_path(kFluidncPositive + axis),
                         (static_cast<int>(value) >> axis & 1) != 0 ? "false" : "true"));
       return;
     }
-    const std::string path =
-        number == kHomingEnabled ? "/axes/x/homing/cycle" : fluidnc_path(number);
-    commands_.push_back(path.empty() ? fmt::format("${}={:g}", number, value)
-                                     : fmt::format("${}={:g}", path, value));
+    const int first = number == kHomingEnabled ? kFluidncCycle : number;
+    commands_.push_back(fmt::format("${}={:g}", fluidnc_path(first), value));
   }
 
   std::optional<Refusal> refusal() const {
@@ -401,9 +398,7 @@ bool is_by_hand(State state) {
 }
 
 bool is_by_hand(int alarm) {
-  constexpr std::array kResetsDoorAndStop{3, 6, 7, 10};
-  return std::find(kResetsDoorAndStop.begin(), kResetsDoorAndStop.end(), alarm) !=
-         kResetsDoorAndStop.end();
+  return alarm == 3 || alarm == 6 || alarm == 7 || alarm == 10;  // resets, the door, the stop
 }
 
 std::string error_words(int number) {

@@ -57,8 +57,7 @@ struct StoredSetting {
   int number{0};
   double value{0.0};
 };
-/// A line that does not matter here: a message in brackets, an empty line, a setting that is a
-/// text.
+/// A line that does not matter here: a message in brackets, an empty one, a setting with a text.
 struct Remark {};
 /// A line that no Grbl board sends.
 struct Garbage {
@@ -81,8 +80,7 @@ bool is_fluidnc(std::string_view said);
 /// Returns the questions for those settings of FluidNC that Grbl numbers, such as
 /// "$/axes/x/steps_per_mm". Their answers are parsed as settings with Grbl's numbers.
 std::vector<std::string> fluidnc_questions();
-/// Notes in the settings that they are FluidNC's, and in $22 and $23 what its axes say of their
-/// homing.
+/// Notes in the settings that they are FluidNC's, and in $22 and $23 how its axes are homed.
 void fold_fluidnc(Settings& settings);
 /// Returns whether this firmware is one that is supported: Grbl 1.1 or grblHAL.
 bool is_supported(const Banner& version);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "planar_servo/base/core/text.h"
+#include "planar_servo/base/core/threads.h"
 
 namespace planar::tic {
 namespace {
@@ -57,16 +58,15 @@ std::uint32_t acceleration_units(double acceleration_pulses_s2) {
 
 std::optional<Refusal> unfitness(std::uint16_t firmware,
                                  const std::vector<std::uint8_t>& settings) {
-  const auto setting = [&](Setting which) { return settings.at(static_cast<std::size_t>(which)); };
   if (firmware < kOldestFirmware)
     return Refusal{fmt::format("its firmware {} is too old", firmware_name(firmware)),
                    fmt::format("upgrade it to {} or later with Pololu's Tic Control Center",
                                firmware_name(kOldestFirmware))};
-  if (setting(Setting::kControlMode) != kControlModeUsb)
+  if (settings.at(kControlMode) != kControlModeUsb)
     return Refusal{fmt::format("its control mode is {}, in which it ignores this program",
-                               setting(Setting::kControlMode)),
+                               settings.at(kControlMode)),
                    "set it to 'Serial / I2C / USB' in Pololu's Tic Control Center"};
-  if (setting(Setting::kDisableSafeStart) != 0)
+  if (settings.at(kDisableSafeStart) != 0)
     return Refusal{"its safe start is disabled, so that it could move by surprise",
                    "enable it in Pololu's Tic Control Center"};
   return std::nullopt;
@@ -137,25 +137,6 @@ constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::uint8_t kVendorIn = 0xc0;
 constexpr int kInterface = 0;
 
-/// Holds the list of plugged-in devices while it is read.
-class DeviceList {
- public:
-  explicit DeviceList(libusb_context* context)
-      : count_(libusb_get_device_list(context, &devices_)) {}
-  ~DeviceList() {
-    if (count_ >= 0) libusb_free_device_list(devices_, 1);
-  }
-  DeviceList(const DeviceList&) = delete;
-  DeviceList& operator=(const DeviceList&) = delete;
-
-  libusb_device** begin() const { return devices_; }
-  libusb_device** end() const { return devices_ + std::max<ssize_t>(count_, 0); }
-
- private:
-  libusb_device** devices_{nullptr};
-  ssize_t count_;
-};
-
 /// Returns whether the device is a Tic, and fills in what can be told without opening it.
 bool describe(libusb_device* device, TicListing& listing, std::uint8_t& serial_string) {
   libusb_device_descriptor descriptor{};
@@ -201,12 +182,8 @@ std::string words_of(libusb_transfer_status status, double timeout_s) {
 
 /// A running transfer in libusb's form.
 struct UnderWay {
-  UnderWay() : transfer(libusb_alloc_transfer(0)) {}
-  ~UnderWay() { libusb_free_transfer(transfer); }
-  UnderWay(const UnderWay&) = delete;
-  UnderWay& operator=(const UnderWay&) = delete;
-
-  libusb_transfer* transfer;
+  std::unique_ptr<libusb_transfer, void (*)(libusb_transfer*)> transfer{libusb_alloc_transfer(0),
+                                                                        libusb_free_transfer};
   std::vector<unsigned char> buffer;
   int completed{0};
 };
@@ -250,12 +227,17 @@ TicBus::~TicBus() {
 std::unique_ptr<TicPort> TicBus::open(const std::string& serial, Refusal& why) {
   std::vector<std::string> others;
   why.remedy = "plug it in and give it power, or correct its number in the cell file";
-  for (libusb_device* device : DeviceList(context_)) {
+  libusb_device** devices = nullptr;
+  const ssize_t count = libusb_get_device_list(context_, &devices);
+  const AtEnd given_back([&] {
+    if (count >= 0) libusb_free_device_list(devices, 1);
+  });
+  for (ssize_t i = 0; i < count; ++i) {
     TicListing listing;
     std::uint8_t serial_string = 0;
-    if (!describe(device, listing, serial_string)) continue;
+    if (!describe(devices[i], listing, serial_string)) continue;
     libusb_device_handle* handle = nullptr;
-    int error = libusb_open(device, &handle);
+    int error = libusb_open(devices[i], &handle);
     if (error == 0) {
       listing.serial = read_serial(handle, serial_string);
       if (listing.serial == serial) error = libusb_claim_interface(handle, kInterface);
@@ -282,12 +264,13 @@ void TicBus::exchange(std::vector<TicTransfer>& transfers, double timeout_s) {
     const auto length = static_cast<std::uint16_t>(request.data.size());
     running.buffer.resize(LIBUSB_CONTROL_SETUP_SIZE + length);
     libusb_fill_control_setup(running.buffer.data(), length > 0 ? kVendorIn : kVendorOut,
-                              static_cast<std::uint8_t>(request.command), request.value,
-                              request.index, length);
-    libusb_fill_control_transfer(running.transfer, request.port->handle_, running.buffer.data(),
-                                 note_completion, &running.completed,
+                              static_cast<std::uint8_t>(request.command),
+                              static_cast<std::uint16_t>(request.value & 0xffff),
+                              static_cast<std::uint16_t>(request.value >> 16), length);
+    libusb_fill_control_transfer(running.transfer.get(), request.port->handle_,
+                                 running.buffer.data(), note_completion, &running.completed,
                                  static_cast<unsigned>(std::ceil(timeout_s * 1e3)));
-    if (const int error = libusb_submit_transfer(running.transfer)) {
+    if (const int error = libusb_submit_transfer(running.transfer.get())) {
       running.completed = 1;
       running.transfer->status =
           error == LIBUSB_ERROR_NO_DEVICE ? LIBUSB_TRANSFER_NO_DEVICE : LIBUSB_TRANSFER_ERROR;

@@ -41,7 +41,7 @@ enum class Command : std::uint8_t {
 };
 
 /// Offsets of settings, which outlast a power cycle.
-enum class Setting : std::uint8_t {
+enum Setting : std::uint8_t {
   kControlMode = 0x01,
   kDisableSafeStart = 0x03,
   kCommandTimeoutMs = 0x09,  ///< two bytes
@@ -145,8 +145,7 @@ class TicPort {
 struct TicTransfer {
   TicPort* port{nullptr};  ///< if null, nothing is transferred
   tic::Command command{tic::Command::kResetCommandTimeout};
-  std::uint16_t value{0};
-  std::uint16_t index{0};
+  std::uint32_t value{0};            ///< lower half: the transfer's value; upper half: its index
   std::vector<std::uint8_t> data{};  ///< sized to the bytes that are to be read
   std::string error{};               ///< in words; empty on success
   bool lost{false};                  ///< whether the device has left the bus
@@ -161,8 +160,7 @@ class TicBus {
   TicBus(const TicBus&) = delete;
   TicBus& operator=(const TicBus&) = delete;
 
-  /// Opens the Tic with this serial number. Returns null when that fails; `why` then has the
-  /// reason.
+  /// Opens the Tic with this serial number. Returns null when that fails, with the reason in `why`.
   std::unique_ptr<TicPort> open(const std::string& serial, Refusal& why);
 
   /// Runs all transfers and waits until each has ended or timed out. Transfers to one device run in

@@ -12,7 +12,6 @@ namespace planar {
 namespace {
 
 using tic::Command;
-using tic::Setting;
 
 /// Setup takes longer than other transfers, because settings are written to EEPROM.
 constexpr double kSetupTimeout_s = 1.6;
@@ -20,13 +19,9 @@ constexpr double kSetupTimeout_s = 1.6;
 constexpr std::chrono::milliseconds kStatePatience{400};
 constexpr std::chrono::milliseconds kStatePoll{10};
 
-constexpr std::size_t at(Setting setting) {
-  return static_cast<std::size_t>(setting);
-}
-
-/// Puts the offset from which a block is read into the request's upper half, the transfer's index.
-constexpr std::uint32_t from_offset(Setting setting) {
-  return static_cast<std::uint32_t>(setting) << 16;
+/// Puts the offset of a setting into the upper half of a request's value, the transfer's index.
+constexpr std::uint32_t at_offset(std::size_t offset) {
+  return static_cast<std::uint32_t>(offset) << 16;
 }
 
 }  // namespace
@@ -87,7 +82,7 @@ void TicDrives::open(std::size_t i) {
 }
 
 std::string TicDrives::configure(std::size_t i) {
-  auto settings =
+  const auto settings =
       perform({{i, Command::kGetSettings, 0, tic::kSettingsBytes}}, kSetupTimeout_s).front();
   if (!settings.error.empty()) return settings.error;
   const auto unfit = tic::unfitness(joints_[i].port->listing().firmware, settings.data);
@@ -100,27 +95,21 @@ std::string TicDrives::configure(std::size_t i) {
   return status.front().error;
 }
 
-std::string TicDrives::set_timeout(std::size_t i, std::vector<std::uint8_t>& settings) {
+std::string TicDrives::set_timeout(std::size_t i, const std::vector<std::uint8_t>& settings) {
   const auto timeout_ms =
       static_cast<std::uint16_t>(std::lround(joints_[i].settings.command_timeout_s * 1e3));
-  struct Byte {
-    std::size_t offset;
-    std::uint8_t value;
+  const auto as_wanted = [&](std::vector<std::uint8_t> bytes) {
+    bytes[tic::kCommandTimeoutMs] = static_cast<std::uint8_t>(timeout_ms & 0xff);
+    bytes[tic::kCommandTimeoutMs + 1] = static_cast<std::uint8_t>(timeout_ms >> 8);
+    bytes[tic::kSoftErrorResponse] = tic::kResponseHaltAndHold;
+    return bytes;
   };
-  const std::array<Byte, 3> wanted{
-      Byte{at(Setting::kCommandTimeoutMs), static_cast<std::uint8_t>(timeout_ms & 0xff)},
-      Byte{at(Setting::kCommandTimeoutMs) + 1, static_cast<std::uint8_t>(timeout_ms >> 8)},
-      Byte{at(Setting::kSoftErrorResponse), tic::kResponseHaltAndHold}};
-  const auto all_set = [&] {
-    return std::all_of(wanted.begin(), wanted.end(),
-                       [&](const Byte& byte) { return settings[byte.offset] == byte.value; });
-  };
-  if (all_set()) return "";
+  const std::vector<std::uint8_t> wanted = as_wanted(settings);
+  if (wanted == settings) return "";
   std::vector<Request> requests;
-  for (const Byte& byte : wanted)
-    if (settings[byte.offset] != byte.value)
-      requests.push_back(
-          {i, Command::kSetSetting, byte.value | static_cast<std::uint32_t>(byte.offset) << 16});
+  for (std::size_t offset = 0; offset < wanted.size(); ++offset)
+    if (wanted[offset] != settings[offset])
+      requests.push_back({i, Command::kSetSetting, wanted[offset] | at_offset(offset)});
   spdlog::debug(
       fmt::format("{}: its command timeout is set to {} ms and stored", name(i), timeout_ms));
   requests.push_back({i, Command::kReinitialize});
@@ -128,21 +117,17 @@ std::string TicDrives::set_timeout(std::size_t i, std::vector<std::uint8_t>& set
   const auto done = perform(requests, kSetupTimeout_s);
   for (const TicTransfer& transfer : done)
     if (!transfer.error.empty()) return transfer.error;
-  settings = done.back().data;
-  return all_set() ? "" : "it does not store its command timeout; replace it";
+  const std::vector<std::uint8_t>& stored = done.back().data;
+  return as_wanted(stored) == stored ? "" : "it does not store its command timeout; replace it";
 }
 
 std::vector<TicTransfer> TicDrives::perform(const std::vector<Request>& requests,
                                             double timeout_s) {
   std::vector<TicTransfer> transfers;
   for (const Request& request : requests) {
-    TicTransfer& transfer = transfers.emplace_back();
-    transfer.port = joints_[request.joint].port.get();
-    transfer.command = request.command;
-    transfer.value = static_cast<std::uint16_t>(request.value & 0xffff);
-    transfer.index = static_cast<std::uint16_t>(request.value >> 16);
-    transfer.data.resize(request.bytes);
-    if (transfer.port == nullptr) transfer.error = joints_[request.joint].error;
+    const Joint& joint = joints_[request.joint];
+    transfers.push_back({joint.port.get(), request.command, request.value,
+                         std::vector<std::uint8_t>(request.bytes), joint.port ? "" : joint.error});
   }
   bus_.exchange(transfers, timeout_s);
   for (std::size_t i = 0; i < requests.size(); ++i) {
@@ -310,7 +295,7 @@ void TicDrives::start_homing(int joint_index, HomeDirection direction) {
   const bool forward = direction == HomeDirection::kForward;
   const auto pins =
       perform({{i, Command::kGetSettings,
-                from_offset(forward ? Setting::kForwardLimitPins : Setting::kReverseLimitPins), 1}},
+                at_offset(forward ? tic::kForwardLimitPins : tic::kReverseLimitPins), 1}},
               transfer_timeout_s_);
   if (!pins[0].error.empty()) throw DriveError(name(i) + ": " + pins[0].error);
   if (pins[0].data[0] == 0)

@@ -23,8 +23,7 @@ struct TicSettings {
 
 /// Drives three Pololu Tics on USB, told apart by their serial numbers. Opening a drive sets its
 /// command timeout, with halt and hold as the response, and reads both back. It refuses what could
-/// make the drive move wrongly: another control mode, disabled safe start, firmware that cannot
-/// home.
+/// make it move wrongly: another control mode, disabled safe start, firmware that cannot home.
 ///
 /// The command timeout is always on. While a drive moves, only status() resets it, so the drive
 /// stops when its caller does; at rest a thread of this class resets it.
@@ -34,8 +33,7 @@ struct TicSettings {
 class TicDrives final : public DriveGroup {
  public:
   /// Opens the drives; switches nothing on and moves nothing. Throws DriveError naming every drive
-  /// that cannot be used, with the remedy, and std::invalid_argument when two joints name the same
-  /// drive.
+  /// that cannot be used, with the remedy, and std::invalid_argument when two joints share one.
   explicit TicDrives(const std::array<TicSettings, 3>& settings);
   ~TicDrives() override;
   TicDrives(const TicDrives&) = delete;
@@ -44,8 +42,7 @@ class TicDrives final : public DriveGroup {
   /// Switches all drives on. A drive that was stopped does not resume its old move. Throws
   /// DriveError for a drive out of touch; the status of a drive that does not switch on says why.
   void energize() override;
-  /// Throws InputError for limits that no Tic can keep and DriveError when a drive does not take
-  /// them.
+  /// Throws InputError for limits that no Tic can keep, and DriveError when one does not take them.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
   void halt() override;
@@ -71,17 +68,15 @@ class TicDrives final : public DriveGroup {
   struct Request {
     std::size_t joint;
     tic::Command command;
-    std::uint32_t value{0};  ///< lower half: the transfer's value; upper half: its index
+    std::uint32_t value{0};  ///< as in TicTransfer
     std::size_t bytes{0};    ///< to be read
   };
 
   void open(std::size_t joint);
-  /// Applies the settings that may be set. Returns what is wrong with the firmware or the other
-  /// settings, in words.
+  /// Applies the settings that may be set. Returns what is wrong with the others or the firmware.
   std::string configure(std::size_t joint);
-  std::string set_timeout(std::size_t joint, std::vector<std::uint8_t>& settings);
-  /// Runs all requests at once and notes failures in each joint's `error`. Requests to drives
-  /// without a port fail.
+  std::string set_timeout(std::size_t joint, const std::vector<std::uint8_t>& settings);
+  /// Runs all requests at once and notes failures, as without a port, in each joint's `error`.
   std::vector<TicTransfer> perform(const std::vector<Request>& requests, double timeout_s);
   /// Runs all requests; throws DriveError that names `what` was to be done when one fails.
   void require(const std::vector<Request>& requests, const std::string& what);

@@ -128,10 +128,6 @@ std::string ChildProgram::next_line(double patience_s) {
                       : fmt::format("it has not answered within {:.0f} ms", patience_s * 1e3));
 }
 
-bool ChildProgram::has_said_more() {
-  return reader_->has_more();
-}
-
 CommandLink::CommandLink(const MotionProgram& program)
     : program_(program), answer_s_(program.answer_s) {
   machine_ = ask("hello 1", kReadyPatience_s);

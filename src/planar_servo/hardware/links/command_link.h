@@ -35,7 +35,7 @@ class ChildProgram {
   /// Throws WorkError when no line comes within this time, or the program has ended.
   std::string next_line(double patience_s);
   /// Returns whether it has said more than was read.
-  bool has_said_more();
+  bool has_said_more() { return reader_->has_more(); }
 
  private:
   void start(const MotionProgram& program, int input, int output);

@@ -72,11 +72,10 @@ void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) con
   auto details = std::make_shared<CommandDetails>();
   MotionProgram& program = details->program;
   drive.texts("program", program.words);
-  drive.check(!program.words.empty(),
-              {"program names nothing",
-               "give the program and its "
-               "arguments, such as [python3, motion.py]"},
-              "program");
+  drive.check(
+      !program.words.empty(),
+      {"program names nothing", "give the program and its arguments, such as [python3, motion.py]"},
+      "program");
   if (drive.given("answer_ms", false))
     drive.number("answer_ms", program.answer_s, kMillisecond,
                  Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
@@ -283,7 +282,7 @@ LinuxcncHost host_of(const CellSettings& cell) {
   const auto limits = limits_of(cell);
   for (std::size_t i = 0; i < 3; ++i) {
     host.joints[i] = linuxcnc_of(cell, i).joint;
-    host.joints[i].counts_per_deg = std::abs(pulses_per_rad[static_cast<int>(i)]) * kDegree;
+    host.joints[i].counts_per_deg = std::abs(pulses_per_rad[i]) * kDegree;
     host.joints[i].rated = limits[i];
     host.joints[i].has_switch = is_switch(cell.transmission.drives[i].home);
   }

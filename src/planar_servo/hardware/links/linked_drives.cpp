@@ -8,8 +8,6 @@
 #include <thread>
 #include <utility>
 
-#include "planar_servo/base/devices/drive_group.h"
-
 namespace planar {
 namespace {
 
@@ -101,7 +99,7 @@ void LinkedDrives::take(const MachineState& state) {
   if (rest_ || rests) check_rest();
   if (!rests) return;
   if (homing_joint_ && !is_lost && state.faults.empty())
-    joints_[*homing_joint_] = {state.counts[static_cast<int>(*homing_joint_)], true};
+    joints_[*homing_joint_] = {state.counts[*homing_joint_], true};
   homing_joint_.reset();
   judge_rest();
 }
@@ -197,8 +195,7 @@ void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses
   read();
   require_ready();
   Pulses target;
-  for (std::size_t i = 0; i < 3; ++i)
-    target[static_cast<int>(i)] = targets_pulses[i] + joints_[i].zero;
+  for (std::size_t i = 0; i < 3; ++i) target[i] = targets_pulses[i] + joints_[i].zero;
   if (goal_ == target) return;
   if (state_.moving) {
     halt();
@@ -237,9 +234,8 @@ DriveStatus LinkedDrives::status_of(std::size_t joint) const {
     status.faults.push_back(error_);
     return status;
   }
-  const auto i = static_cast<int>(joint);
-  status.position_pulses = state_.counts[i] - joints_[joint].zero;
-  status.target_pulses = goal_.value_or(state_.counts)[i] - joints_[joint].zero;
+  status.position_pulses = state_.counts[joint] - joints_[joint].zero;
+  status.target_pulses = goal_.value_or(state_.counts)[joint] - joints_[joint].zero;
   status.energized = state_.on;
   status.moving = state_.moving;
   status.homing = homing_joint_ == joint;
@@ -251,24 +247,22 @@ DriveStatus LinkedDrives::status_of(std::size_t joint) const {
 }
 
 void LinkedDrives::start_homing(int joint, HomeDirection direction) {
-  const auto i = static_cast<std::size_t>(joint);
-  joints_.at(i).certain = false;
+  joints_.at(joint).certain = false;
   command("be homed", [&] {
     rest_.reset();
     state_.homing = state_.moving = true;
     link_->search_home(joint, direction);
-    homing_joint_ = i;
+    homing_joint_ = joint;
     goal_.reset();
   });
 }
 
 void LinkedDrives::set_position(int joint, std::int32_t position_pulses) {
-  const auto i = static_cast<std::size_t>(joint);
   read();
   if (link_ && (state_.moving || state_.homing))
     throw DriveError(fmt::format("{} moves; it can be told where it stands only at rest", name_));
   command("take a position", [&] {
-    joints_.at(i) = {state_.counts[static_cast<int>(i)] - position_pulses, true};
+    joints_.at(joint) = {state_.counts[joint] - position_pulses, true};
   });
 }
 

@@ -31,8 +31,7 @@ class LinkedDrives final : public DriveGroup {
   void energize() override;
   /// Throws InputError for limits beyond the cell's.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
-  /// A machine that moves is braked to rest first. Throws DriveError unless all positions are
-  /// certain.
+  /// Brakes to rest first what moves. Throws DriveError unless all positions are certain.
   void set_targets(const std::array<std::int32_t, 3>& targets_pulses) override;
   /// These brake to rest and wait for it; the positions stay certain. They throw DriveError when
   /// the machine got out of touch in a move.

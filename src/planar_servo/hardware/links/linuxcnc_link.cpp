@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -135,9 +134,8 @@ std::string contradiction(const Ini& ini, const LinuxcncHost& host) {
     const double search = number_in(ini, section + ".HOME_SEARCH_VEL");
     if ((search != 0.0) != joint.has_switch)
       return fmt::format(
-          "[{}]HOME_SEARCH_VEL is {:g}, which {} a switch, and drives[{}] says home "
-          "by {}",
-          section, search, joint.has_switch ? "searches no" : "searches", i,
+          "[{}]HOME_SEARCH_VEL is {:g}, which {} a switch, and drives[{}] says home by {}", section,
+          search, joint.has_switch ? "searches no" : "searches", i,
           joint.has_switch ? "a switch" : "a mark or sight");
     if (joint.has_switch) continue;
     if (std::string motion = motion_in_homing(ini, section); !motion.empty()) return motion;
@@ -160,10 +158,14 @@ RshConnection::RshConnection(const LinuxcncHost& host) {
   hints.ai_socktype = SOCK_STREAM;
   if (getaddrinfo(host.host.c_str(), std::to_string(host.port).c_str(), &hints, &found) != 0)
     fail("there is no host of this name", "correct `host` in the cell file");
-  socket_ = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const timeval patience{static_cast<time_t>(kAnswer_s), 0};
-  setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);  // of connect(), too
-  const bool connected = connect(socket_, found->ai_addr, found->ai_addrlen) == 0;
+  bool connected = false;  // localhost may be an address of IPv6 first
+  for (const addrinfo* at = found; at != nullptr && !connected; at = at->ai_next) {
+    if (socket_ >= 0) close(socket_);
+    socket_ = socket(at->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const timeval patience{static_cast<time_t>(kAnswer_s), 0};
+    setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);  // of connect(), too
+    connected = connect(socket_, at->ai_addr, at->ai_addrlen) == 0;
+  }
   freeaddrinfo(found);
   try {
     if (!connected) fail(std::strerror(errno), kStart);
@@ -303,8 +305,8 @@ LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
   const Ini ini = values_in(file);
   if (ini.empty()) {
     unchecked_ = fmt::format(
-        "{} is no file of this machine: compare its units, limits and joints "
-        "with the cell file yourself",
+        "{} is no file of this machine: compare its units, limits and joints with the cell file "
+        "yourself",
         path);
   } else if (const std::string wrong = contradiction(ini, host_); !wrong.empty()) {
     throw WorkError({fmt::format("{}: {}", path, wrong), "correct it or the cell file"});
@@ -317,7 +319,7 @@ LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
 void LinuxcncLink::require_room(const Pulses& counts) const {
   for (std::size_t i = 0; i < 3; ++i) {
     const LinuxcncJoint& joint = host_.joints[i];
-    const double angle_deg = counts[static_cast<int>(i)] / joint.counts_per_deg;
+    const double angle_deg = counts[i] / joint.counts_per_deg;
     if (angle_deg >= rooms_[i].least_deg && angle_deg <= rooms_[i].most_deg) continue;
     throw MachineRefusal(
         {fmt::format(
@@ -392,10 +394,8 @@ void LinuxcncLink::switch_on() {
   is_strangers_ = false;
   controls_ = false;
   take_control();
-  const auto is = [&](const char* what, const char* how) {
-    return reader_.get(what).find(how) != std::string::npos;
-  };
-  if (is("estop", "ON") || !is("machine", "ON")) {  // `estop off` switches off what is on
+  // `estop off` switches off what is on.
+  if (reader_.says("estop", "ON") || !reader_.says("machine", "ON")) {
     set("estop off");
     set("machine on");
   }
@@ -406,7 +406,7 @@ void LinuxcncLink::switch_on() {
 }
 
 bool LinuxcncLink::is_homed(int joint) {
-  return reader_.get(fmt::format("joint_homed {}", joint)).find("YES") != std::string::npos;
+  return reader_.says(fmt::format("joint_homed {}", joint), "YES");
 }
 
 void LinuxcncLink::home(int joint) {
@@ -447,10 +447,9 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   double length_deg = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const LinuxcncJoint& joint = host_.joints[i];
-    const int count = counts[static_cast<int>(i)];
+    const int count = counts[i];
     line += fmt::format(" {}{:.6f}", joint.axis, count / joint.counts_per_deg);
-    length_deg =
-        std::hypot(length_deg, (count - here_[static_cast<int>(i)]) / joint.counts_per_deg);
+    length_deg = std::hypot(length_deg, (count - here_[i]) / joint.counts_per_deg);
   }
   constexpr double kPerMinute = 60.0;
   const double speed_deg_s = length_deg / (time.duration_s - time.ramp_s);
@@ -486,8 +485,7 @@ Pulses LinuxcncLink::counts() const {
     if (number >= degrees.size())
       throw WorkError({fmt::format("LinuxCNC has no joint {}", joint.number),
                        "correct `joint` in the cell file"});
-    counts[static_cast<int>(i)] =
-        static_cast<int>(std::lround(degrees[number] * joint.counts_per_deg));
+    counts[i] = static_cast<int>(std::lround(degrees[number] * joint.counts_per_deg));
   }
   return counts;
 }
@@ -497,8 +495,8 @@ MachineState LinuxcncLink::state_now() {
   state.counts = counts();
   bool is_stopped = false;
   const auto look = [&] {
-    is_stopped = reader_.get("estop").find("ON") != std::string::npos;
-    state.on = !is_stopped && reader_.get("machine").find("ON") != std::string::npos;
+    is_stopped = reader_.says("estop", "ON");
+    state.on = !is_stopped && reader_.says("machine", "ON");
   };
   look();
   if (was_on_ && !state.on) {  // an answer may be another connection's
@@ -537,7 +535,7 @@ MachineState LinuxcncLink::read() {
   // Motors without current stand anywhere.
   if (was_on_ && !state.on) ++losses_;
   was_on_ = state.on;
-  const bool is_idle = reader_.get("program_status").find("IDLE") != std::string::npos;
+  const bool is_idle = reader_.says("program_status", "IDLE");
   const bool is_there = target_ && (here_ - *target_).cwiseAbs().maxCoeff() <= kInPosition_counts;
   const bool may_begin =
       awaits_mover_ && !is_there && (!stopping_since_ || now - *stopping_since_ < kLostAnswer);

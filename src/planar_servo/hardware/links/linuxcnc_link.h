@@ -5,10 +5,8 @@
 #include <array>
 #include <chrono>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "planar_servo/base/io/line_reader.h"
 #include "planar_servo/hardware/links/machine_link.h"
@@ -57,6 +55,10 @@ class RshConnection {
   std::string ask(const std::string& line);
   /// Returns what follows the words that a get repeats.
   std::string get(const std::string& what);
+  /// Returns whether that has this word.
+  bool says(const std::string& what, const char* word) {
+    return get(what).find(word) != std::string::npos;
+  }
   int descriptor() const { return socket_; }
 
  private:

@@ -1,12 +1,10 @@
 #include "planar_servo/hardware/links/modbus_link.h"
 
 #include <fmt/format.h>
-#include <modbus/modbus.h>
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <thread>
@@ -52,17 +50,19 @@ const char* remedy_for(int error) {
   return "unplug the adapter and plug it in again";
 }
 
-}  // namespace
+constexpr int kDataBits = 8;
 
-void ModbusLink::Free::operator()(modbus_t* context) const {
+void close_modbus(modbus_t* context) {
   modbus_close(context);
   modbus_free(context);
 }
 
-ModbusLink::ModbusLink(const ModbusLine& line) : line_(line) {
-  constexpr int kDataBits = 8;
-  context_.reset(
-      modbus_new_rtu(line.port.c_str(), line.baud, line.parity, kDataBits, line.stop_bits));
+}  // namespace
+
+ModbusLink::ModbusLink(const ModbusLine& line)
+    : line_(line),
+      context_(modbus_new_rtu(line.port.c_str(), line.baud, line.parity, kDataBits, line.stop_bits),
+               close_modbus) {
   if (!context_ || modbus_connect(context_.get()) != 0)
     throw WorkError({fmt::format("{} cannot be opened: {}", line.port, modbus_strerror(errno)),
                      "look at the port's name, the permission to use it and the cable"});
@@ -146,16 +146,17 @@ std::vector<std::uint16_t> ModbusLink::words_of(const RegisterWrite& write,
   return words;
 }
 
+int ModbusLink::write_words(int address, const std::vector<std::uint16_t>& words) {
+  return words.size() == 1 ? modbus_write_register(context_.get(), address, words[0])
+                           : modbus_write_registers(context_.get(), address,
+                                                    static_cast<int>(words.size()), words.data());
+}
+
 void ModbusLink::write(std::size_t motor, const std::vector<RegisterWrite>& writes,
                        const Move& move, const char* what) {
   for (const RegisterWrite& next : writes) {
     const std::vector<std::uint16_t> words = words_of(next, move);
-    exchange(motor, what, [&] {
-      return words.size() == 1
-                 ? modbus_write_register(context_.get(), next.address, words[0])
-                 : modbus_write_registers(context_.get(), next.address,
-                                          static_cast<int>(words.size()), words.data());
-    });
+    exchange(motor, what, [&] { return write_words(next.address, words); });
   }
 }
 
@@ -189,10 +190,8 @@ void ModbusLink::stop_all_that_hear() {
     for (const RegisterWrite& write : line_.map.stop) {
       if (line_.map.start) broadcast(write);
       for (std::size_t i = 0; i < 3 && !line_.map.start; ++i) {
-        const std::vector<std::uint16_t> words = words_of(write, {});
         modbus_set_slave(context_.get(), line_.addresses[i]);
-        modbus_write_registers(context_.get(), write.address, static_cast<int>(words.size()),
-                               words.data());
+        write_words(write.address, words_of(write, {}));
       }
     }
   } catch (const WorkError&) {
@@ -218,12 +217,7 @@ ModbusLink::Move ModbusLink::move_of(std::size_t motor, long way, long target,
 
 void ModbusLink::start(const std::array<Move, 3>& moves) {
   may_move_ = true;
-  const auto begun = Clock::now();
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (i == 2 && !line_.map.start)
-      skew_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
-    write(i, line_.map.move, moves[i], "take a move");
-  }
+  for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.move, moves[i], "take a move");
   if (line_.map.start) broadcast(*line_.map.start);
   started_ = Clock::now();
 }
@@ -232,10 +226,7 @@ void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& l
   if (!proven_) prove_word_order(counts);
   const MoveTime time = time_of(counts - here_, limits);
   std::array<Move, 3> moves{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto k = static_cast<int>(i);
-    moves[i] = move_of(i, counts[k] - here_[k], counts[k], time);
-  }
+  for (std::size_t i = 0; i < 3; ++i) moves[i] = move_of(i, counts[i] - here_[i], counts[i], time);
   target_ = counts;
   start(moves);
 }
@@ -262,7 +253,7 @@ void ModbusLink::search_home(int joint, HomeDirection direction) {
                      "add home_reverse or home_forward to it, or name home: {reference: taught}"});
   may_move_ = true;
   unfound_.clear();
-  write(static_cast<std::size_t>(joint), writes, {}, "search its home switch");
+  write(joint, writes, {}, "search its home switch");
   search_ = Search{static_cast<std::size_t>(joint)};
   started_ = Clock::now();
 }
@@ -289,7 +280,7 @@ MachineState ModbusLink::read() {
   const ModbusMap& map = line_.map;
   for (std::size_t i = 0; i < 3; ++i) {
     const long status = read_value(i, map.status, "status");
-    state.counts[static_cast<int>(i)] = static_cast<int>(read_value(i, map.position, "position"));
+    state.counts[i] = static_cast<int>(read_value(i, map.position, "position"));
     state.moving = state.moving || map.moving.in(status);
     if (search_ && search_->driver == i) watch_search(status);
     state.on = state.on && (!map.on || map.on->in(status));
@@ -311,7 +302,7 @@ MachineState ModbusLink::read() {
 
 void ModbusLink::check_word_order(const Pulses& counts) {
   for (std::size_t i = 0; i < 3; ++i) {
-    const long position = counts[static_cast<int>(i)];
+    const long position = counts[i];
     if (!looks_exchanged(position)) continue;
     throw WorkError(
         {fmt::format("{} says that it stands at {}, which is {} with its two words exchanged",
@@ -333,13 +324,13 @@ void ModbusLink::prove_word_order(const Pulses& toward) {
   std::array<Move, 3> moves{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double turn = line_.counts_per_turn[i];
-    moves[i] = {rest[static_cast<int>(i)], line_.map.speed_number(kSlow_counts_s, turn),
+    moves[i] = {rest[i], line_.map.speed_number(kSlow_counts_s, turn),
                 line_.map.acceleration_number(kGentle_counts_s2, turn)};
   }
   int motor = 0;
   (toward - rest).cwiseAbs().maxCoeff(&motor);
   const int count = rest[motor] + (toward[motor] >= rest[motor] ? 1 : -1);
-  moves[static_cast<std::size_t>(motor)].position = count;
+  moves[motor].position = count;
   target_.reset();
   start(moves);
   const auto until = Clock::now() + kPatience;
@@ -352,8 +343,8 @@ void ModbusLink::prove_word_order(const Pulses& toward) {
   const int went = here_[motor];
   stop();
   throw WorkError(
-      {fmt::format("{} was sent from {} to {} and says that it is at {}",
-                   name(static_cast<std::size_t>(motor)), rest[motor], count, went),
+      {fmt::format("{} was sent from {} to {} and says that it is at {}", name(motor), rest[motor],
+                   count, went),
        "the two words of its position may be exchanged: look at word_order in the map"});
 }
 

@@ -57,9 +57,6 @@ class ModbusLink final : public MachineLink {
   MachineState read() override;
 
   const LineErrors& errors() const { return errors_; }
-  /// Returns the time from the first driver's start to the last one's in the last move, without a
-  /// broadcast.
-  double skew_s() const { return skew_s_; }
 
  private:
   struct Move {
@@ -76,6 +73,8 @@ class ModbusLink final : public MachineLink {
   void exchange(std::size_t motor, const std::string& what, const Exchange& act);
   void drop_late_answers();
   long read_value(std::size_t motor, const RegisterRead& from, const char* what);
+  /// Returns what libmodbus does: less than 0 where no answer came.
+  int write_words(int address, const std::vector<std::uint16_t>& words);
   void write(std::size_t motor, const std::vector<RegisterWrite>& writes, const Move& move,
              const char* what);
   std::vector<std::uint16_t> words_of(const RegisterWrite& write, const Move& move) const;
@@ -92,12 +91,8 @@ class ModbusLink final : public MachineLink {
   using Clock = std::chrono::steady_clock;
 
   ModbusLine line_;
-  struct Free {
-    void operator()(modbus_t* context) const;
-  };
-  std::unique_ptr<modbus_t, Free> context_;
+  std::unique_ptr<modbus_t, void (*)(modbus_t*)> context_;
   LineErrors errors_;
-  double skew_s_{0.0};
   bool proven_{false};    ///< positions have shown the order of words
   bool may_move_{false};  ///< from the first telegram that moves a driver until a rest was seen
   std::optional<Search> search_;

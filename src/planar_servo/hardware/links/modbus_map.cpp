@@ -113,8 +113,7 @@ void read_text(YamlReader& file, const char* key, Value& value, const Parse& par
 
 constexpr char kWriteRule[] =
     "write REGISTER: VALUE..., each a number up to 0xffff, position, speed or acceleration, with "
-    "/2 "
-    "where it fills two registers";
+    "/2 where it fills two registers";
 constexpr char kReadRule[] = "write REGISTER WORDS, such as 0x1014 2";
 constexpr char kBitRule[] = "write the number of a bit of the status, or not N, in quotes";
 

@@ -123,6 +123,20 @@ PlanarRobot::Status PlanarRobot::status() {
   return status;
 }
 
+template <typename Deed>
+auto PlanarRobot::or_halt(const Deed& deed) {
+  try {
+    return deed();
+  } catch (const std::exception& cause) {
+    try {
+      halt();
+    } catch (const DriveError& error) {
+      throw_failure(fmt::format("{}; {}", cause.what(), error.what()));
+    }
+    throw;
+  }
+}
+
 void PlanarRobot::energize() {
   drives_.reconnect();
   status();
@@ -146,9 +160,7 @@ std::vector<int> PlanarRobot::unhomed() {
   std::vector<int> joints;
   const auto status = this->status();
   for (int i = 0; i < 3; ++i)
-    if (forgotten_[static_cast<std::size_t>(i)] ||
-        !status[static_cast<std::size_t>(i)].position_certain)
-      joints.push_back(i);
+    if (forgotten_[i] || !status[i].position_certain) joints.push_back(i);
   return joints;
 }
 
@@ -167,15 +179,14 @@ Pulses PlanarRobot::commanded_pulses() const {
   Pulses pulses;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!commanded_pulses_[i]) throw_unhomed(i);
-    pulses[static_cast<int>(i)] = *commanded_pulses_[i];
+    pulses[i] = *commanded_pulses_[i];
   }
   return pulses;
 }
 
 std::optional<double> PlanarRobot::home_mark(int joint) const {
   const MotorDrive& motor = motor_drive(joint);
-  if (motor.home != HomeReference::kTaught) return std::nullopt;
-  return motor.home_rad;
+  return motor.home == HomeReference::kTaught ? std::optional(motor.home_rad) : std::nullopt;
 }
 
 void PlanarRobot::search_home(int joint) {
@@ -190,29 +201,26 @@ void PlanarRobot::search_home(int joint) {
                              "start a program that has the cell's calibrated vision with --home"});
   throw_if_stopped();
   require_well();
-  try {
+  or_halt([&] {
     drives_.start_homing(joint, motor.home == HomeReference::kForwardSwitch
                                     ? HomeDirection::kForward
                                     : HomeDirection::kReverse);
     wait_for(kHomingTimeout_s, [&](const auto& status) {
       throw_if_stopped();
-      return !status[static_cast<std::size_t>(joint)].homing;
+      return !status[joint].homing;
     });
-  } catch (const std::exception& error) {
-    halt_after(error);
-    throw;
-  }
-  const DriveStatus found = status()[static_cast<std::size_t>(joint)];
+  });
+  const DriveStatus found = status()[joint];
   if (!found.position_certain)
     throw DriveError(fmt::format("drive {} gave up its search for the home switch", joint + 1));
   drives_.set_position(joint, found.position_pulses + home_pulses(joint));
-  forgotten_[static_cast<std::size_t>(joint)] = false;
+  forgotten_[joint] = false;
   read_positions(status());
 }
 
 void PlanarRobot::teach_home(int joint) {
   drives_.set_position(joint, home_pulses(joint));
-  forgotten_[static_cast<std::size_t>(joint)] = false;
+  forgotten_[joint] = false;
   read_positions(status());
 }
 
@@ -274,37 +282,32 @@ std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard
 
 void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must_rest) {
   const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
-  try {
+  or_halt([&] {
     drives_.set_targets({target[0], target[1], target[2]});
-    for (std::size_t i = 0; i < 3; ++i) commanded_pulses_[i] = target[static_cast<int>(i)];
+    for (std::size_t i = 0; i < 3; ++i) commanded_pulses_[i] = target[i];
     bool rests = false;
     wait_for(timeout_s, [&](const auto& now) {
       if ((rests = must_rest())) return true;
       require_certain(now);
-      for (int i = 0; i < 3; ++i) {
-        const DriveStatus& drive = now[static_cast<std::size_t>(i)];
-        if (drive.moving || drive.position_pulses != target[i]) return false;
-      }
+      for (std::size_t i = 0; i < 3; ++i)
+        if (now[i].moving || now[i].position_pulses != target[i]) return false;
       return true;
     });
     if (rests) brake();
-  } catch (const std::exception& error) {
-    halt_after(error);
-    throw;
-  }
+  });
 }
 
 void PlanarRobot::brake() {
   const Pulses commanded = commanded_pulses();
+  const auto rated = transmission_.rated_limits();
   std::array<std::int32_t, 3> stop_pulses;
   double longest_s = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const double acceleration =
-        std::abs(transmission_.pulses_per_rad()[i]) * motor_drive(i).max_acceleration_rad_s2;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double acceleration = rated[i].acceleration_pulses_s2;
     const double speed = speed_pulses_s_[i];
     const double way = speed * std::abs(speed) / (2.0 * acceleration);
     const double seen = seen_pulses_[i], target = commanded[i];
-    stop_pulses[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
+    stop_pulses[i] = static_cast<std::int32_t>(
         std::lround(std::clamp(seen + way, std::min(seen, target), std::max(seen, target))));
     longest_s = std::max(longest_s, std::abs(speed) / acceleration);
   }
@@ -318,14 +321,11 @@ Joints PlanarRobot::present_joints() {
 }
 
 PlanarRobot::Status PlanarRobot::look_while_turning() {
-  try {
+  return or_halt([&] {
     Status status = require_ready();
     read_positions(status);
     return status;
-  } catch (const std::exception& error) {
-    halt_after(error);
-    throw;
-  }
+  });
 }
 
 void PlanarRobot::turn(const VelocityLaw& velocity) {
@@ -349,27 +349,21 @@ void PlanarRobot::turn(const Status& status, const Joints& theta_dot) {
   if (const auto violation =
           transmission_.limit_violation(transmission_.joints_from_pulses(target)))
     throw WorkError("the arm refuses this velocity: " + *violation);
-  try {
+  or_halt([&] {
     drives_.set_limits(move.limits);
     drives_.set_targets(move.targets_pulses);
-  } catch (const std::exception& error) {
-    halt_after(error);
-    throw;
-  }
+  });
   turning_ = move;
   velocity_control_ = true;
 }
 
 void PlanarRobot::end_turning() {
   turn(look_while_turning(), Joints::Zero());
-  try {
+  or_halt([&] {
     wait_for_rest(kVelocityHold_s);
     drives_.set_limits(transmission_.rated_limits());
     velocity_control_ = false;
-  } catch (const std::exception& error) {
-    halt_after(error);
-    throw;
-  }
+  });
 }
 
 void PlanarRobot::halt() {
@@ -381,14 +375,6 @@ void PlanarRobot::halt() {
   }
   read_positions(status());
   if (!failure.empty()) throw DriveError(failure);
-}
-
-void PlanarRobot::halt_after(const std::exception& cause) {
-  try {
-    halt();
-  } catch (const DriveError& error) {
-    throw_failure(fmt::format("{}; {}", cause.what(), error.what()));
-  }
 }
 
 void PlanarRobot::throw_failure(const std::string& fault) const {
@@ -451,7 +437,7 @@ void PlanarRobot::note_speeds(const Status& status) {
 }
 
 const MotorDrive& PlanarRobot::motor_drive(int joint) const {
-  return transmission_.settings().drives.at(static_cast<std::size_t>(joint));
+  return transmission_.settings().drives.at(joint);
 }
 
 std::int32_t PlanarRobot::home_pulses(int joint) const {
@@ -463,9 +449,8 @@ double PlanarRobot::longest_move_s(const Pulses& target) const {
   const Pulses from = commanded_pulses();
   double longest_s = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const MotorDrive& motor = motor_drive(i);
     const double pulses_per_rad = transmission_.pulses_per_rad()[i];
-    const MotorMove move(from[i] / pulses_per_rad, target[i] / pulses_per_rad, motor);
+    const MotorMove move(from[i] / pulses_per_rad, target[i] / pulses_per_rad, motor_drive(i));
     longest_s = std::max(longest_s, move.duration_s());
   }
   return longest_s;

@@ -31,8 +31,7 @@ struct VelocityMove {
 /// `velocity` for `hold_s` and then slow down to rest, unless they are told anew before. Each
 /// target lies ahead by that time and the way to brake. A velocity beyond the `rated` limits is
 /// scaled as a whole. All motors change their velocity in the same time, and brake in the same
-/// time, within their rated accelerations. A motor that is to rest does not go farther than it was
-/// going already.
+/// time, within their rated accelerations. A motor that is to rest goes no farther than it would.
 VelocityMove velocity_move(const VelocityMove& last, double now_s,
                            const std::array<DriveStatus, 3>& status,
                            const Eigen::Vector3d& velocity, const std::array<DriveLimits, 3>& rated,
@@ -81,8 +80,7 @@ class PlanarRobot {
   /// A search for the home switch is given up after this time. Only the drive knows its speed.
   static constexpr double kHomingTimeout_s{180.0};
 
-  /// Returns the motor's angle behind its gear at its mark, radians; empty where a home switch is
-  /// searched instead.
+  /// Returns the motor's angle behind its gear at its mark, radians; empty where it has no mark.
   std::optional<double> home_mark(int joint) const;
 
   /// Declares that a motor stands at its mark now.
@@ -92,8 +90,7 @@ class PlanarRobot {
   bool homes_by_sight() const;
   /// Declares that the joints stand there now. Throws std::out_of_range beyond 32 bits of pulses.
   void set_joints(const Joints& theta);
-  /// Makes the drives unsure of their positions, and plans nothing from there until they are homed
-  /// again.
+  /// Makes the drives unsure of their positions, and plans nothing until they are homed again.
   void forget_position();
 
   /// Looks for lost drives and switches all on again after a failure, with growing pauses until it
@@ -102,16 +99,14 @@ class PlanarRobot {
   void recover(double patience_s);
 
   /// Returns the pulses that were commanded last, and their joint angles; nothing while a drive
-  /// counts from where nobody knows: from a reset or an abrupt stop until it is homed, taught or
-  /// set.
+  /// does not know its position, from a reset or an abrupt stop until it is homed, taught or set.
   std::optional<Pulses> known_pulses() const;
   std::optional<Joints> known_joints() const;
   /// The same for what plans from there. Throws DriveError naming the drives to be homed.
   Pulses commanded_pulses() const;
   Joints commanded_joints() const { return transmission_.joints_from_pulses(commanded_pulses()); }
 
-  /// Is asked every few milliseconds while the arm moves; returns why the arm must stop, if it
-  /// must.
+  /// Is asked every few milliseconds while the arm moves; returns why it must stop, if it must.
   using Guard = std::function<std::optional<std::string>()>;
 
   /// Moves every motor to round(K C theta) and returns when all have arrived.
@@ -129,8 +124,7 @@ class PlanarRobot {
   /// DriveError naming the drives that could not be told.
   void halt();
 
-  /// Reads where the drives stand now, also while they turn. Throws DriveError when one does not
-  /// know.
+  /// Reads where the drives stand, also while they turn. Throws DriveError when one does not know.
   Joints present_joints();
 
   /// A velocity holds for this time; unless the next one comes before, the arm slows down to rest.
@@ -147,8 +141,7 @@ class PlanarRobot {
   /// throws, std::invalid_argument for velocities that are not finite, WorkError for drives with a
   /// stream_refusal() and where a motor would leave its limits if the velocity were kept,
   /// StopRequested, at rest, and DriveError, after all were halted, when a drive fails. A drive
-  /// with a command timeout shorter than kVelocityHold_s and the way to brake stops by that
-  /// timeout.
+  /// stops by its command timeout where that is shorter than kVelocityHold_s and the way to brake.
   void turn(const VelocityLaw& velocity);
 
   /// Slows down to rest, so that no position is lost, and gives the drives their own speeds again.
@@ -162,14 +155,14 @@ class PlanarRobot {
 
   /// Returns the drives' states, and keeps the first stop by hand among them.
   Status status();
-  /// Throws StoppedByHand where such a stop was seen since the arm was switched on, else
-  /// DriveError.
+  /// Throws StoppedByHand where such a stop was seen since switch_on(), else DriveError.
   [[noreturn]] void throw_failure(const std::string& fault) const;
-  /// Halts all drives. When one cannot be told, throws DriveError with `cause` and that drive.
-  void halt_after(const std::exception& cause);
+  /// Does something, and halts all drives where that throws. When one cannot be told, throws
+  /// DriveError with the cause and that drive.
+  template <typename Deed>
+  auto or_halt(const Deed& deed);
   Status require_well();
-  /// Does what require_well() does, requires that every drive knows its position, and notes the
-  /// speeds.
+  /// As require_well(), requires also that every drive knows its position, and notes the speeds.
   Status require_ready();
   bool stopped() const { return stop_ && stop_(); }
   /// Polls the drives until `arrived`. Throws DriveError when a drive fails or it takes too long.

@@ -42,9 +42,8 @@ void require_finite(const vpColVector& velocity) {
 /// Fills J: rows x and y of the twist from `tip_jacobian`, the rotation about z from joint 3.
 void set_jacobian(const PlanarArm& arm, const Eigen::Matrix2d& tip_jacobian, vpMatrix& J) {
   J.resize(6, 3);
-  for (int row = 0; row < 2; ++row) {
+  for (int row = 0; row < 2; ++row)
     for (int column = 0; column < 2; ++column) J[row][column] = tip_jacobian(row, column);
-  }
   J[5][2] = arm.sense();
 }
 
@@ -121,12 +120,11 @@ void VispRobot::setVelocity(const vpControlFrameType frame, const vpColVector& v
 
 Joints VispRobot::joint_velocity(const Joints& theta, const vpColVector& twist) const {
   require_size(twist, 6);
-  for (const unsigned int i : {2U, 3U, 4U}) {
+  for (const unsigned int i : {2U, 3U, 4U})
     if (std::abs(twist[i]) > kZeroTwist)
       throw vpRobotException(vpRobotException::notImplementedError,
                              "VispRobot: the tool stays in its plane, upright; vz, wx and wy "
                              "have to be 0");
-  }
   if (PlanarArm::manipulability(theta) < kMinManipulability)
     throw vpRobotException(vpRobotException::lowLevelError,
                            "VispRobot: the arm is nearly straight or folded: its tool cannot "

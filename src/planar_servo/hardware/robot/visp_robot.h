@@ -23,8 +23,7 @@ class VispRobot final : public vpRobot {
   using vpRobot::getPosition;
   /// Reads where the drives stand now, also while they turn. A pose ends with its rotation vector.
   void getPosition(const vpControlFrameType frame, vpColVector& position) override;
-  /// Moves to a position; works in STATE_POSITION_CONTROL only. A pose of the base frame is reached
-  /// with the present elbow.
+  /// Only in STATE_POSITION_CONTROL. A pose of the base frame is reached with the present elbow.
   void setPosition(const vpControlFrameType frame, const vpColVector& position) override;
   /// Always throws: displacements are not recorded.
   void getDisplacement(const vpControlFrameType frame, vpColVector& displacement) override;

@@ -101,22 +101,11 @@ constexpr int kShape = Outline::kShapeTerms, kWaves = Outline::kWaveTerms;
 using Square = Eigen::Matrix<double, Outline::kTerms, Outline::kTerms>;
 
 template <int Terms>
-OutlineFit solve(const Eigen::Matrix<double, Terms, Terms>& normal,
-                 const Eigen::Matrix<double, Terms, 1>& right) {
-  const Eigen::LLT<Eigen::Matrix<double, Terms, Terms>> solver(normal);
-  OutlineFit fit;
-  fit.terms.head<Terms>() = solver.solve(right);
-  fit.covariance.topLeftCorner<Terms, Terms>() =
-      solver.solve(Eigen::Matrix<double, Terms, Terms>::Identity());
-  fit.has_waves = Terms > kShape;
-  return fit;
-}
-
-template <int Terms>
 OutlineFit fit_terms(const Normals& normals, const PerNormal& offset_px,
                      const PerNormal& information, double wave_variance_px2) {
   using Column = Eigen::Matrix<double, Terms, 1>;
-  Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
+  using Normal = Eigen::Matrix<double, Terms, Terms>;
+  Normal normal = Normal::Zero();
   Column right = Column::Zero();
   for (int k = 0; k < normals.count(); ++k) {
     const Column move = normals.move.col(k).head<Terms>();
@@ -125,7 +114,12 @@ OutlineFit fit_terms(const Normals& normals, const PerNormal& offset_px,
     right += offset_px[k] * weighted;
   }
   if (Terms > kShape) normal.diagonal().tail(Terms - kShape).array() += 1.0 / wave_variance_px2;
-  return solve<Terms>(normal, right);
+  const Eigen::LLT<Normal> solver(normal);
+  OutlineFit fit;
+  fit.terms.head<Terms>() = solver.solve(right);
+  fit.covariance.topLeftCorner<Terms, Terms>() = solver.solve(Normal::Identity());
+  fit.has_waves = Terms > kShape;
+  return fit;
 }
 
 PerNormal residuals(const Normals& normals, const PerNormal& offset_px, const OutlineFit& fit) {
@@ -162,7 +156,6 @@ OutlineFit fit_outline(const Normals& normals, const PerNormal& offset_px,
   const Outline::Waves score = waves * weighted, known = waves.cwiseAbs2() * information;
   const double excess = score.cwiseAbs2().cwiseQuotient(known).sum() - kWaves;
   if (!(excess > kSigmas * std::sqrt(2.0 * kWaves))) return even;
-
   const OutlineFit first = fit_outline(normals, offset_px, information, excess / known.sum());
   const double power =
       first.terms.tail<kWaves>().squaredNorm() + first.covariance.diagonal().tail<kWaves>().sum();

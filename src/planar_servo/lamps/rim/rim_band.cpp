@@ -14,7 +14,6 @@
 namespace planar {
 namespace {
 
-constexpr int kPoints = 16;
 constexpr float kMeanBlur_px2 = 1.0f / 6.0f, kMostly = 0.5f;
 constexpr int kFull = 255;
 
@@ -32,7 +31,7 @@ bool lies_inside(const cv::Size& image, const Outline& outline, double reach_px)
 // Interpolation at the fractions a, b of a pixel blurs an edge across the direction n by the
 // variance n_u^2 a (1 - a) + n_v^2 b (1 - b).
 void sample_line(const cv::Mat& image, const BandLine& line, float* level, float* blur_px2) {
-  for (int j = 0; j < kPoints; ++j) {
+  for (int j = 0; j < RimBand::kPlaces; ++j) {
     const auto place = static_cast<float>(j);
     const float u =
         std::clamp(line.u + place * line.du, 0.0f, static_cast<float>(image.cols) - 1.001f);
@@ -68,7 +67,8 @@ __attribute__((target("avx2"))) void sample_line_fast(const cv::Mat& image, cons
   const __m256i byte = _mm256_set1_epi32(255);
   const __m256 one = _mm256_set1_ps(1.0f);
   __m256 place = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
-  for (int j = 0; j < kPoints; j += 8, place = _mm256_add_ps(place, _mm256_set1_ps(8.0f))) {
+  for (int j = 0; j < RimBand::kPlaces;
+       j += 8, place = _mm256_add_ps(place, _mm256_set1_ps(8.0f))) {
     const __m256 u =
         _mm256_add_ps(_mm256_set1_ps(line.u), _mm256_mul_ps(place, _mm256_set1_ps(line.du)));
     const __m256 v =

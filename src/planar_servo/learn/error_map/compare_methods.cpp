@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/learn/error_map/cross_validation.h"
 #include "planar_servo/learn/error_map/fit/map_sites.h"
 #include "planar_servo/learn/error_map/fit/rbf_fit.h"
 

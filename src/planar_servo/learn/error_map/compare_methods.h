@@ -20,9 +20,8 @@ struct MethodFigures {
   RmsEstimate blocked;  ///< as CrossValidation::rms
 };
 
-/// Judges every method on the samples that `result`, fitted to `problem`, has used: raw, idw, hand
-/// (with kPaperWidth where the problem has no width), rbf, auto. Beyond kMostDense positions it
-/// judges only raw and the result's own method.
+/// Judges raw, idw, hand (kPaperWidth if the problem has none), rbf and auto on the samples that
+/// `result` has used; beyond kMostDense positions only raw and the result's own method.
 std::vector<MethodFigures> compare_methods(const MapProblem& problem, const MapResult& result,
                                            const Progress& progress = {});
 

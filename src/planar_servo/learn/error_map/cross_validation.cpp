@@ -15,9 +15,7 @@ namespace {
 
 /// A map is worth using when it removes at least this share of the rms error.
 constexpr double kSmallestGain = 0.05;
-
 constexpr Eigen::Index kSparsePart = 10000;
-
 constexpr char kUnsolvable[] =
     "the equations of the map without a part of its pairs are too ill conditioned to be solved; "
     "use a smaller width, or let the map choose width and ridge";
@@ -29,50 +27,35 @@ std::vector<Eigen::Index> all_but(const Blocks& blocks, std::size_t left_out) {
   return rest;
 }
 
-/// Returns the errors at the sites `left_out` that a map with the first one's settings predicts
-/// from the sites `rest`.
-Eigen::Matrix2Xd predictions(const IdwMap&, const MapSites& rest, const MapSites& left_out) {
-  const IdwMap map{rest.positions, rest.errors, {}};
-  Eigen::Matrix2Xd errors(2, left_out.size());
-  for (Eigen::Index i = 0; i < left_out.size(); ++i)
-    errors.col(i) = map.predict_error(left_out.positions.col(i));
-  return errors;
-}
-
-Eigen::Matrix2Xd predictions(const RbfMap& map, const MapSites& rest, const MapSites& left_out) {
-  const RbfParameters& settings = map.parameters();
-  const TailBasis tail = tail_like(settings.tail_basis, rest.positions, rest.directions);
-  const RbfMap other = fit_rbf(rest, tail, settings.kernel, settings.ridge).map;
-  Eigen::Matrix2Xd errors(2, left_out.size());
-  for (Eigen::Index i = 0; i < left_out.size(); ++i)
-    errors.col(i) = other.predict_error(left_out.positions.col(i), left_out.direction(i));
-  return errors;
-}
-
 /// Returns the residual of each site when its block is left out.
-Eigen::Matrix2Xd left_out(const IdwMap& map, const MapSites& sites, const Blocks& blocks) {
+Eigen::Matrix2Xd left_out(const IdwMap&, const MapSites& sites, const Blocks& blocks) {
   Eigen::Matrix2Xd residuals(2, sites.size());
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    residuals(Eigen::all, blocks[b]) =
-        sites.errors(Eigen::all, blocks[b]) -
-        predictions(map, sites.subset(all_but(blocks, b)), sites.subset(blocks[b]));
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const MapSites rest = sites.subset(all_but(blocks, b));
+    const IdwMap other{rest.positions, rest.errors, {}};
+    for (const Eigen::Index i : blocks[b])
+      residuals.col(i) = sites.errors.col(i) - other.predict_error(sites.positions.col(i));
+  }
   return residuals;
 }
 
 /// Does without refitting where the other blocks determine the map's tail.
 Eigen::Matrix2Xd left_out(const RbfMap& map, const MapSites& sites, const Blocks& blocks) {
+  const RbfParameters& settings = map.parameters();
   Eigen::Matrix2Xd residuals(2, sites.size());
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const MapSites rest = sites.subset(all_but(blocks, b));
-    const TailBasis& tail = map.parameters().tail_basis;
-    if (tail_like(tail, rest.positions, rest.directions).terms() == tail.terms()) {
+    const TailBasis tail = tail_like(settings.tail_basis, rest.positions, rest.directions);
+    if (tail.terms() == settings.tail_basis.terms()) {
       const auto found = map.left_out_residuals(blocks[b]);
       if (!found) throw WorkError(kUnsolvable);
       residuals(Eigen::all, blocks[b]) = *found;
-    } else {
-      residuals(Eigen::all, blocks[b]) =
-          sites.errors(Eigen::all, blocks[b]) - predictions(map, rest, sites.subset(blocks[b]));
+      continue;
     }
+    const RbfMap other = fit_rbf(rest, tail, settings.kernel, settings.ridge).map;
+    for (const Eigen::Index i : blocks[b])
+      residuals.col(i) =
+          sites.errors.col(i) - other.predict_error(sites.positions.col(i), sites.direction(i));
   }
   return residuals;
 }
@@ -99,11 +82,6 @@ Eigen::Matrix2Xd left_out(const SparseRbfMap& map, const MapSites& sites, const 
   return residuals;
 }
 
-MapSites part_for(const ErrorMap& map, const MapSites& sites) {
-  const bool sparse = std::holds_alternative<SparseRbfMap>(map);
-  return sites.every(sparse ? sites.size() / kSparsePart + 1 : 1);
-}
-
 double gap_of(const Eigen::Matrix2Xd& positions, const Blocks& blocks) {
   std::vector<double> gaps;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -118,9 +96,7 @@ double gap_of(const Eigen::Matrix2Xd& positions, const Blocks& blocks) {
   return median(gaps);
 }
 
-constexpr Eigen::Index kMostBlocks = 20;
-constexpr Eigen::Index kSitesPerBlock = 5;
-constexpr Eigen::Index kFewestBlocks = 5;
+constexpr Eigen::Index kMostBlocks = 20, kFewestBlocks = 5, kSitesPerBlock = 5;
 
 using Site = std::vector<Eigen::Index>::iterator;
 
@@ -150,6 +126,14 @@ long sums_of_at_least(double wanted, const Eigen::ArrayXd& values, Eigen::Index 
          sums_of_at_least(wanted, values, k + 1, sum - values[k]);
 }
 
+/// Returns the sum of the sites' values in each block.
+Eigen::ArrayXd block_sums(const Eigen::VectorXd& values, const Blocks& blocks) {
+  Eigen::ArrayXd sums(static_cast<Eigen::Index>(blocks.size()));
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    sums[static_cast<Eigen::Index>(b)] = values(blocks[b]).sum();
+  return sums;
+}
+
 }  // namespace
 
 Blocks spatial_blocks(const Eigen::Matrix2Xd& positions) {
@@ -165,21 +149,14 @@ Blocks spatial_blocks(const Eigen::Matrix2Xd& positions) {
 
 RmsEstimate estimate_rms(const MapSites& sites, const Eigen::Matrix2Xd& means,
                          const Blocks& blocks) {
-  const auto count = static_cast<Eigen::Index>(blocks.size());
-  const Eigen::VectorXd squares =
-      means.colwise().squaredNorm().transpose().cwiseProduct(sites.counts) + sites.scatter;
-  Eigen::ArrayXd sums(count);
-  Eigen::ArrayXd samples(count);
-  for (Eigen::Index b = 0; b < count; ++b) {
-    const auto& block = blocks[static_cast<std::size_t>(b)];
-    sums[b] = squares(block).sum();
-    samples[b] = sites.counts(block).sum();
-  }
+  const Eigen::ArrayXd sums = block_sums(
+      means.colwise().squaredNorm().transpose().cwiseProduct(sites.counts) + sites.scatter, blocks);
+  const Eigen::ArrayXd samples = block_sums(sites.counts, blocks);
   const double total = sums.sum();
   const double rms = std::sqrt(total / samples.sum());
-  if (!(total > 0.0) || count < 3) return {rms, rms, rms};
+  if (!(total > 0.0) || sums.size() < 3) return {rms, rms, rms};
   const double relative = standard_error_of_sum(sums - samples * total / samples.sum()) / total;
-  const double factor = std::exp(0.5 * student_t_95(count - 1) * relative);
+  const double factor = std::exp(0.5 * student_t_95(sums.size() - 1) * relative);
   return {rms, rms / factor, rms * factor};
 }
 
@@ -194,19 +171,17 @@ bool is_clearly_positive(const Eigen::ArrayXd& values_of_blocks) {
 }
 
 double student_t_95(Eigen::Index n) {
-  constexpr double kSigmas95 = 1.959964;
   const auto freedom = static_cast<double>(n);
-  const double z = kSigmas95;
-  const double z3 = z * z * z;
-  const double z5 = z3 * z * z;
-  const double z7 = z5 * z * z;
+  const double z = 1.959964;
+  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
   return z + (z3 + z) / (4.0 * freedom) +
          (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * freedom * freedom) +
          (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * freedom * freedom * freedom);
 }
 
 CrossValidation cross_validate(const ErrorMap& map, const MapSites& sites) {
-  const MapSites part = part_for(map, sites);
+  const bool sparse = std::holds_alternative<SparseRbfMap>(map);
+  const MapSites part = sites.every(sparse ? sites.size() / kSparsePart + 1 : 1);
   const Blocks blocks = spatial_blocks(part.positions);
   const Eigen::Matrix2Xd residuals =
       std::visit([&](const auto& method) { return left_out(method, part, blocks); }, map);
@@ -214,17 +189,13 @@ CrossValidation cross_validate(const ErrorMap& map, const MapSites& sites) {
 }
 
 bool is_worth_using(const MapSites& sites, const Eigen::Matrix2Xd& residuals) {
-  const Blocks blocks = spatial_blocks(sites.positions);
   const double share_left = (1.0 - kSmallestGain) * (1.0 - kSmallestGain);
   const Eigen::VectorXd gains =
       (share_left * sites.errors.colwise().squaredNorm() - residuals.colwise().squaredNorm())
           .transpose()
           .cwiseProduct(sites.counts) -
       (1.0 - share_left) * sites.scatter;
-  Eigen::ArrayXd of_blocks(static_cast<Eigen::Index>(blocks.size()));
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    of_blocks[static_cast<Eigen::Index>(b)] = gains(blocks[b]).sum();
-  return is_clearly_positive(of_blocks);
+  return is_clearly_positive(block_sums(gains, spatial_blocks(sites.positions)));
 }
 
 }  // namespace planar

@@ -125,8 +125,7 @@ void add_deviations(const ErrorField& field, SampledError& sampled) {
 }
 
 SampledError judged(const ErrorField& field, GridReading reading, ErrorGrid sampled) {
-  SampledError result;
-  result.grid = std::move(sampled);
+  SampledError result{std::move(sampled)};
   add_deviations(field, result);
   const ErrorGrid& grid = result.grid;
   for (Eigen::Index i = 0; i + grid.columns < grid.nodes(); ++i)

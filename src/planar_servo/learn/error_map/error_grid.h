@@ -16,9 +16,8 @@ struct ErrorField {
   double sigma_if_unstated{0.0};  ///< per axis, metres; taken where predict() states none
 };
 
-/// Returns the field by where the end point truly is instead of where it is seen: the error e of
-/// the place p + e that is seen when the end point is at p. It throws WorkError where the error
-/// changes so fast that this place cannot be found.
+/// Returns the field by where the end point truly is: at p the error e of the place p + e that is
+/// seen then. It throws WorkError where the error changes so fast that this place cannot be found.
 ErrorField over_true_places(const ErrorField& seen);
 
 /// How the error between the nodes of a grid is read.
@@ -31,16 +30,14 @@ enum class GridReading {
 struct ErrorGrid {
   Eigen::Vector2d origin{0.0, 0.0};  ///< of node 0, metres
   double step{0.0};                  ///< metres
-  Eigen::Index columns{0};           ///< nodes along x
-  Eigen::Index rows{0};              ///< nodes along y
+  Eigen::Index columns{0}, rows{0};  ///< nodes along x and y
   Eigen::Matrix2Xd errors;           ///< metres
   Eigen::VectorXd sigmas;            ///< per axis, metres; NaN where the field states none
   Eigen::Array<bool, Eigen::Dynamic, 1> inside;  ///< whether the field is valid there
 
   Eigen::Index nodes() const { return columns * rows; }
   Eigen::Vector2d node(Eigen::Index i) const;
-  /// Returns the error in the cell whose first corner is node i, at these shares of the step along
-  /// x and y.
+  /// Returns the error in the cell from node i on, at these shares of the step along x and y.
   Eigen::Vector2d error_in_cell(Eigen::Index i, const Eigen::Vector2d& share,
                                 GridReading reading) const;
 };
@@ -48,10 +45,9 @@ struct ErrorGrid {
 /// A grid, and what reading it costs at the places within the valid region.
 struct SampledError {
   ErrorGrid grid;
-  double interpolation_max{0.0};    ///< largest error per axis between nodes, metres
-  double interpolation_share{0.0};  ///< the largest in units of the deviation at its place
-  double sigma_min{0.0};            ///< stated deviations at valid nodes, metres
-  double sigma_median{0.0};
+  double interpolation_max{0.0};             ///< largest error per axis between nodes, metres
+  double interpolation_share{0.0};           ///< the largest in units of the deviation at its place
+  double sigma_min{0.0}, sigma_median{0.0};  ///< stated deviations at valid nodes, metres
 };
 
 /// Reading a grid costs at most this share of the stated deviation.

@@ -20,14 +20,6 @@ Eigen::Vector2d direction_of(std::optional<double> phi) {
   throw std::invalid_argument("the error map depends on the tool's direction, which is not known");
 }
 
-const ValidRegion& region_of(const IdwMap& map) {
-  return map.region;
-}
-template <typename Map>
-const ValidRegion& region_of(const Map& map) {
-  return map.parameters().region;
-}
-
 }  // namespace
 
 MapKind kind_of(const ErrorMap& map) {
@@ -58,8 +50,9 @@ Eigen::Vector2d predict_error(const ErrorMap& map, const Eigen::Vector2d& p_visi
 }
 
 const ValidRegion& valid_region(const ErrorMap& map) {
-  return std::visit([](const auto& method) -> const ValidRegion& { return region_of(method); },
-                    map);
+  if (const auto* idw = std::get_if<IdwMap>(&map)) return idw->region;
+  if (const auto* rbf = std::get_if<RbfMap>(&map)) return rbf->parameters().region;
+  return std::get<SparseRbfMap>(map).parameters().region;
 }
 
 bool depends_on_direction(const ErrorMap& map) {

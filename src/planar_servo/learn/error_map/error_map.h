@@ -27,16 +27,13 @@ MapKind kind_of(const ErrorMap& map);
 /// The word for it in map files, in what programs print and in --json.
 const char* name(MapKind kind);
 
-/// Returns the predicted vision error at p_vision, which must be a position as vision saw it (base
-/// frame, metres). Outside the valid region the map still predicts and says so; the caller decides
-/// what to do. `phi` is the tool's direction in the base frame, radians; only a map that depends on
-/// it needs it. Throws std::invalid_argument for a position that is not finite, and for a needed
-/// phi that is missing or not finite.
+/// Predicts the vision error at p_vision, a position as vision saw it (base frame, metres), even
+/// outside the valid region. Only a map that depends on the tool's direction needs `phi` (base
+/// frame, radians). Throws std::invalid_argument without a finite position or a needed phi.
 ErrorPrediction predict(const ErrorMap& map, const Eigen::Vector2d& p_vision,
                         std::optional<double> phi = std::nullopt);
 
-/// Returns the error that predict() returns, without its standard deviation, which takes most of
-/// the time.
+/// Returns the error of predict() without its standard deviation, which takes most of the time.
 Eigen::Vector2d predict_error(const ErrorMap& map, const Eigen::Vector2d& p_vision,
                               std::optional<double> phi = std::nullopt);
 
@@ -49,8 +46,7 @@ bool depends_on_direction(const ErrorMap& map);
 /// Returns the error fixed in the tool's frame that the map found; empty where it found none.
 std::optional<ToolBias> tool_bias(const ErrorMap& map);
 
-/// Returns the standard deviation per axis of the noise that the map found in its samples, metres;
-/// NaN where the method has none.
+/// Returns the standard deviation per axis of the samples' noise, metres; NaN where none was found.
 double noise_sigma(const ErrorMap& map);
 
 /// How a map does at the places that its fit left out.
@@ -67,9 +63,8 @@ constexpr double kMostContradicting = 0.2;
 /// Returns how many of the two components lie within 1.96 of their deviations.
 int components_within_95(const Eigen::Vector2d& miss, const Eigen::Vector2d& sigma);
 
-/// Says why no arm should move by a map; empty where nothing forbids it. A share within the stated
-/// 95 % forbids it when it is below 80 % and chance makes it so in less than one of a thousand maps
-/// that reach 80 %.
+/// Says why no arm should move by a map; empty where nothing forbids it. A share below 80 % within
+/// the stated 95 % does where it occurs in less than one of a thousand maps that reach 80 %.
 std::optional<Refusal> objection(const MapQuality& quality);
 
 }  // namespace planar

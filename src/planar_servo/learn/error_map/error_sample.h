@@ -18,15 +18,13 @@ struct ValidRegion {
   Eigen::Vector2d nearest(const Eigen::Vector2d& p) const;
 };
 
-/// Returns the hull of `positions` (one column each), widened by their median distance to the
-/// nearest neighbour.
+/// Returns the hull of `positions` (columns), widened by their median_spacing().
 ValidRegion region_around(const Eigen::Matrix2Xd& positions);
 
 /// Returns the hull of `positions`, widened by `margin` (metres).
 ValidRegion region_around(const Eigen::Matrix2Xd& positions, double margin);
 
-/// Returns the median distance from a position to its nearest neighbour, metres; there must be at
-/// least two.
+/// Returns the median distance from a position to its nearest neighbour, metres; two at least.
 double median_spacing(const Eigen::Matrix2Xd& positions);
 
 /// A calibration point: the end point as vision saw it and the vision error there (vision minus
@@ -42,8 +40,7 @@ struct ErrorSample {
 
 struct ErrorPrediction {
   Eigen::Vector2d error{0.0, 0.0};  ///< metres
-  /// Standard deviation of `error` per axis as an estimate of the noise-free error, metres; NaN
-  /// where the method has none.
+  /// Standard deviation of `error` as the noise-free error, per axis, metres; NaN if not stated.
   double sigma{0.0};
   bool inside{false};  ///< whether the position is in the map's valid region
 };

@@ -5,15 +5,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "planar_servo/base/core/decompositions.h"
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/learn/error_map/cross_validation.h"
-#include "planar_servo/learn/error_map/fit/map_sites.h"
 #include "planar_servo/learn/error_map/fit/outliers.h"
 #include "planar_servo/learn/error_map/fit/pair_checks.h"
 #include "planar_servo/learn/error_map/fit/rbf_fit.h"
@@ -25,12 +21,10 @@ namespace {
 constexpr Eigen::Index kFewestForTerms = 20;
 constexpr double kSignificance = 3.0;
 
-/// The least reciprocal condition number of the scaled normal equations. Below it, as with sites in
-/// a thin strip, a term is determined by noise alone.
+/// The least rcond of the scaled equations. Below, as in a thin strip, noise alone tells a term.
 constexpr double kSmallestRcond = 1e-6;
 
-constexpr double kMicro = 1e-6;
-constexpr double kMilli = 1e-3;
+constexpr double kMicro = 1e-6, kMilli = 1e-3;
 constexpr std::array<CellFaultName, kCellFaults> kNames{
     {{"shift x", "shift_x_mm", "mm", kMillimetre},
      {"shift y", "shift_y_mm", "mm", kMillimetre},
@@ -63,9 +57,6 @@ struct NormalEquations {
     matrix += count * design.transpose() * design;
     right += count * design.transpose() * error;
   }
-  NormalEquations operator-(const NormalEquations& other) const {
-    return {matrix - other.matrix, right - other.right};
-  }
   std::optional<Terms> solution() const {
     const Terms scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
     if (!scale.allFinite()) return {};
@@ -76,15 +67,15 @@ struct NormalEquations {
   }
 };
 
-/// Returns the jackknife's standard deviations; empty when the sites without some block do not
-/// determine the terms.
+/// Returns the jackknife's deviations; empty when the terms are undetermined without some block.
 std::optional<Terms> jackknife_sigmas(const NormalEquations& all,
                                       const std::vector<NormalEquations>& of_blocks) {
   std::vector<Terms> estimates;
   Terms mean = Terms::Zero();
   const auto count = static_cast<double>(of_blocks.size());
   for (const NormalEquations& block : of_blocks) {
-    const auto without = (all - block).solution();
+    const NormalEquations rest{all.matrix - block.matrix, all.right - block.right};
+    const auto without = rest.solution();
     if (!without) return {};
     estimates.push_back(*without);
     mean += *without / count;
@@ -103,15 +94,11 @@ struct MethodFit {
   Eigen::VectorXd sigmas;      ///< of each residual per axis; see MapPlaces
 };
 
-Eigen::VectorXd sigmas_of(const RbfFit& fit) {
-  return fit.map.parameters().signal_sigma * fit.left_out.unit_sigmas;
-}
-
-MethodFit fit_tuned(const MapSites& sites, const std::vector<RbfFamily>& families) {
-  RobustFit robust = fit_without_outliers(sites, families);
-  Eigen::VectorXd sigmas = sigmas_of(robust.fit);
-  return {std::move(robust.fit.map), std::move(robust.kept), std::move(robust.outliers),
-          std::move(robust.fit.left_out.residuals), std::move(sigmas)};
+MethodFit method_fit(RobustFit robust) {
+  RbfFit& fit = robust.fit;
+  Eigen::VectorXd sigmas = fit.map.parameters().signal_sigma * fit.left_out.unit_sigmas;
+  return {std::move(fit.map), std::move(robust.kept), std::move(robust.outliers),
+          std::move(fit.left_out.residuals), std::move(sigmas)};
 }
 
 MethodFit fit_many(const MapSites& sites, const Progress& progress) {
@@ -135,13 +122,7 @@ MethodFit fit_by_hand(const MapSites& sites, double width) {
   if (!(std::isfinite(width) && width > 0.0))
     throw InputError(
         {fmt::format("the map's width is {} mm", mm(width)), "it must be a positive number"});
-  RbfFit fit = fit_hand_width(sites, width);
-  Eigen::VectorXd sigmas = sigmas_of(fit);
-  return {std::move(fit.map),
-          sites_without({}, sites.size()),
-          {},
-          std::move(fit.left_out.residuals),
-          std::move(sigmas)};
+  return method_fit({fit_hand_width(sites, width), sites_without({}, sites.size()), {}});
 }
 
 /// Fits by the method of `problem` to sites merged of its samples.
@@ -158,12 +139,12 @@ MethodFit fit_by_method(const MapSites& sites, const MapProblem& problem,
     case MapMethod::kHandWidth:
       return fit_by_hand(sites, problem.hand_width);
     case MapMethod::kRbf:
-      return fit_tuned(sites, {kOneWidth});
+      return method_fit(fit_without_outliers(sites, {kOneWidth}));
     case MapMethod::kAuto:
       break;
   }
   if (sites.size() > kMostDense) return fit_many(sites, progress);
-  return fit_tuned(sites, {kManyScales, kSmooth});
+  return method_fit(fit_without_outliers(sites, {kManyScales, kSmooth}));
 }
 
 /// Samples in groups must outnumber the groups by this share of all samples.
@@ -224,9 +205,8 @@ FitAtPlaces fit_at_places(MapSites sites, const MapProblem& problem, const Progr
 
 RejectedSample rejected_sample(const Outlier& outlier, std::size_t index,
                                const std::vector<ErrorSample>& samples, const char* by) {
-  return {{samples[index].id,
-           fmt::format("{:.4f} mm from {}, where {:.4f} mm is allowed",
-                       outlier.residual / kMillimetre, by, outlier.limit / kMillimetre)},
+  return {{samples[index].id, fmt::format("{:.4f} mm from {}, where {:.4f} mm is allowed",
+                                          mm(outlier.residual), by, mm(outlier.limit))},
           index,
           outlier.residual};
 }
@@ -339,11 +319,9 @@ CellDiagnosis diagnose_cell(const MapSites& sites) {
   const auto values = all.solution();
   const auto sigmas = jackknife_sigmas(all, of_blocks);
   if (!values || !sigmas) return {};
-
   CellDiagnosis diagnosis;
   for (int k = 0; k < kCellFaults; ++k) {
-    const double value = (*values)[k];
-    const double sigma = (*sigmas)[k];
+    const double value = (*values)[k], sigma = (*sigmas)[k];
     const double rms = std::abs(value) * std::sqrt(all.matrix(k, k) / sites.counts.sum());
     diagnosis.terms.push_back(
         {static_cast<CellFault>(k), value, sigma, rms, std::abs(value) > kSignificance * sigma});

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
@@ -14,11 +13,10 @@
 
 namespace planar {
 
-/// Faults of a cell that show in the vision error E(u), with u measured from the middle of the
-/// pairs.
+/// Faults of a cell in the vision error E(u), with u measured from the middle of the pairs.
 enum class CellFault {
   kShiftX,      ///< E = (s, 0), metres
-  kShiftY,      ///< E = s u: the lamps' plane lies s times the camera's height too high
+  kShiftY,      ///< E = (0, s), metres
   kScale,       ///< E = s u: the lamps' plane lies s times the camera's height too high
   kRotation,    ///< E = s (-u_y, u_x), radians
   kStretch,     ///< E = s / 2 (u_x, -u_y): x is longer than y
@@ -53,9 +51,8 @@ struct CellDiagnosis {
 };
 
 /// Fits all terms together by least squares. Standard deviations come from leaving out block after
-/// block of neighbours (jackknife [Tukey 1958]), so that neighbours with a common error do not
-/// count as many. Empty for fewer than 20 sites and for sites nearly on a line. Other causes may
-/// look alike: a warped table, for one, shows as tilt and radial terms.
+/// block (jackknife [Tukey 1958]), as neighbours err alike. Empty for fewer than 20 sites and for
+/// sites nearly on a line. A warped table, for one, looks like tilt and radial terms.
 CellDiagnosis diagnose_cell(const MapSites& sites);
 
 enum class MapMethod {
@@ -105,8 +102,7 @@ struct MapPlaces {
   Eigen::Matrix2Xd positions;
   Eigen::Matrix2Xd errors;     ///< mean of the samples at each
   Eigen::Matrix2Xd residuals;  ///< what is left of them when each place is left out of the fit
-  /// Standard deviation per axis of each residual as the map states it; of a method that states
-  /// none the residuals' rms.
+  /// Stated standard deviation of each residual per axis; without one the residuals' rms.
   Eigen::VectorXd sigmas;
 };
 
@@ -129,8 +125,7 @@ struct MapResult {
   double place_share{std::numeric_limits<double>::quiet_NaN()};
   RmsEstimate blocked;  ///< rms with whole blocks of neighbours left out, and its interval
   double gap{0.0};      ///< width of the gap that such a block leaves
-  /// Whether the map removes more than 5 % of the rms error between its places, and not by chance;
-  /// see is_worth_using().
+  /// Whether it removes enough of the error between its places; see is_worth_using().
   bool worth_using{false};
   double coverage_95{0.0};  ///< share of the residuals' components within 1.96 deviations
   CellDiagnosis cell;       ///< faults of the cell; not used by the map
@@ -139,7 +134,6 @@ struct MapResult {
   double gain() const { return raw_rms > 0.0 ? 1.0 - loo_rms / raw_rms : 0.0; }
 
   MapQuality quality() const { return {n_places, worth_using, coverage_95}; }
-
   /// Return the standard deviations per axis of the two parts of the noise: of what the samples of
   /// a place have in common, and of a single one beside that; NaN where the share is.
   double place_sigma() const { return noise_sigma * std::sqrt(place_share); }
@@ -150,11 +144,10 @@ struct MapResult {
 /// with_found_places() finds if the samples there clearly share an error; else those at one
 /// position. A sample that disagrees with the others of its place is left out. Dense maps of kAuto
 /// and kRbf take the tool's direction into the tail if every sample has it and the leave-one-out
-/// error is clearly smaller with it. Throws InputError for samples that are not finite or not in
-/// metres or share what no camera does (require_one_unit(), require_live_tracker()), too wide
-/// places, fewer than 3 distinct positions, more than kMostDense of them except for kAuto, a hand
-/// width that is not positive, or outliers beyond a fifth of the samples. Throws WorkError when the
-/// equations are too ill conditioned to be solved.
+/// error is clearly smaller with it. Throws InputError for samples that are not finite or share
+/// what no camera does (require_one_unit(), require_live_tracker()), too wide places, fewer than 3
+/// positions, more than kMostDense except for kAuto, a hand width that is not positive, or outliers
+/// beyond a fifth; WorkError when the equations are too ill conditioned.
 MapResult fit_error_map(const MapProblem& problem, const Progress& progress = {});
 
 }  // namespace planar

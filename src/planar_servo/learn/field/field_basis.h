@@ -17,8 +17,7 @@ struct FieldBasis {
   Eigen::RowVectorXd at(const Eigen::Vector2d& p) const;
   /// Returns the first of these, without the quadratic.
   Eigen::RowVectorXd gaussians(const Eigen::Vector2d& p) const;
-  /// Returns the matrix whose inverse is the prior covariance of the Gaussians' weights, for a
-  /// field of unit variance.
+  /// Returns the inverse of the prior covariance of the Gaussians' weights, for unit variance.
   Eigen::MatrixXd kernel_matrix() const;
 
   static constexpr Eigen::Index kQuadratic = 6;

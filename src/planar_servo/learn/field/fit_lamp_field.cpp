@@ -44,8 +44,7 @@ FieldCertainty certainty_of(const LampField& field, const std::vector<PoseSample
           std::sqrt(scaled.squaredNorm() / static_cast<double>(scaled.rows()))};
 }
 
-/// Returns the end point's deviation when field and arm are fitted to these only, with the choices
-/// of the estimate.
+/// Returns the end point's deviation by a fit to these only, with the choices of the estimate.
 double end_point_with(const JointEstimate& estimate, const std::vector<PoseSample>& used,
                       const LaidDots& board, const std::vector<PoseSample>& judged) {
   JointEstimate other = estimate;
@@ -56,8 +55,7 @@ double end_point_with(const JointEstimate& estimate, const std::vector<PoseSampl
   return certainty_of(lamp_field(other, judged), judged).end_point;
 }
 
-/// Returns the worth of readings, unattended poses and lays, where there are any, by fits with the
-/// estimate's priors that leave out one of them.
+/// Returns the worth of each source that there is, by a fit with the estimate's priors without it.
 std::vector<SourceWorth> worth_of_sources(const JointEstimate& estimate,
                                           const std::vector<PoseSample>& samples,
                                           const LaidDots& board) {
@@ -116,12 +114,12 @@ double landing_sigma(const JointEstimate& estimate, const LampField& field,
 
 /// The end point lies about midway between the lamps, so their noise counts by half its variance.
 double noise_sigma(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
-  std::vector<double> sigmas;
-  sigmas.reserve(samples.size());
+  double most = 0.0;
   for (const PoseSample& sample : samples)
-    sigmas.push_back(std::hypot(sample.reflector_B ? sample.sigma_reflector : 0.0,
-                                estimate.priors.lamp_factor * sample.sigma_lamp / std::sqrt(2.0)));
-  return *std::max_element(sigmas.begin(), sigmas.end());
+    most = std::max(most,
+                    std::hypot(sample.reflector_B ? sample.sigma_reflector : 0.0,
+                               estimate.priors.lamp_factor * sample.sigma_lamp / std::sqrt(2.0)));
+  return most;
 }
 
 constexpr char kWithArm[] = "field with the arm", kWithoutArm[] = "field without the arm",
@@ -165,17 +163,13 @@ ComparedField compared(const char* name, const HeldOut& held) {
   return way;
 }
 
-/// Returns whether places left out are met clearly better: by a tenth, more than the choice of some
-/// 200 places changes.
-bool clearly_better(const ComparedField& other, const ComparedField& than) {
+/// Adds a way to the comparison. Returns whether it meets places left out better than the one taken
+/// so far by a tenth, more than the choice of some 200 places changes.
+bool is_taken(ComparedField way, LampFieldFit& fit) {
   constexpr double kClearly = 0.9;
   // Outliers among the readings do not change a median.
-  return !other.misses.empty() && median(other.misses) < kClearly * median(than.misses);
-}
-
-/// Adds a way to the comparison and returns whether it is clearly better than the one taken so far.
-bool is_taken(ComparedField way, LampFieldFit& fit) {
-  const bool taken = clearly_better(way, compared("", fit.held_out));
+  const bool taken = !way.misses.empty() &&
+                     median(way.misses) < kClearly * median(compared("", fit.held_out).misses);
   fit.compared.push_back(std::move(way));
   return taken;
 }

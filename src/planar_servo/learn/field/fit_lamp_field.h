@@ -73,8 +73,7 @@ struct LampFieldFit {
   FixedBy fixed_by;
   FieldCertainty certainty;
   std::vector<SourceWorth> sources;  ///< what it was learned from
-  /// Standard deviation per axis between where the arm that was found puts the end point and where
-  /// the field sees it.
+  /// Between where the arm found puts the end point and where the field sees it, per axis.
   double landing_sigma{0.0};
   double noise_sigma{0.0};  ///< per axis, of a reading and its lamps together, as the fit found it
 

@@ -12,32 +12,21 @@
 namespace planar {
 namespace {
 
-constexpr std::size_t kParts = 10;
-constexpr std::size_t kAlwaysUsed = kParts;
+constexpr std::size_t kParts = 10, kAlwaysUsed = kParts, kNeverUsed = kParts + 1;
 
-/// The samples that the estimate used, and the part in which each is left out.
-struct Parts {
-  std::vector<PoseSample> samples;
-  std::vector<std::size_t> part;
-};
-
-Parts parts_of(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
-  std::vector<bool> out(samples.size(), false);
-  for (const JointOutlier& outlier : estimate.left_out) out[outlier.index] = true;
-  Parts parts;
-  std::map<std::string, std::size_t> place_parts;
+/// Returns the part in which each sample is left out.
+std::vector<std::size_t> parts_of(const JointEstimate& estimate,
+                                  const std::vector<PoseSample>& samples) {
+  std::vector<std::size_t> parts(samples.size(), kAlwaysUsed);
+  for (const JointOutlier& outlier : estimate.left_out) parts[outlier.index] = kNeverUsed;
+  std::map<std::string, std::size_t> of_place;
   std::size_t next = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (out[i]) continue;
-    parts.samples.push_back(samples[i]);
-    if (!samples[i].reflector_B)
-      parts.part.push_back(kAlwaysUsed);
-    else if (samples[i].place.empty())
-      parts.part.push_back(next++ % kParts);
-    else if (const auto known = place_parts.find(samples[i].place); known != place_parts.end())
-      parts.part.push_back(known->second);
-    else
-      parts.part.push_back(place_parts[samples[i].place] = next++ % kParts);
+    if (parts[i] == kNeverUsed || !samples[i].reflector_B) continue;
+    const std::string& place = samples[i].place;
+    const auto known = place.empty() ? of_place.end() : of_place.find(place);
+    parts[i] = known != of_place.end() ? known->second : next++ % kParts;
+    if (!place.empty()) of_place[place] = parts[i];
   }
   return parts;
 }
@@ -48,8 +37,7 @@ Eigen::Vector2d vision_minus_tracker(const TipPose& tip, const ToolOffsets& tool
   return tip.p + rotation2d(tip.phi) * tool.p_TS.head<2>() - p_reflector;
 }
 
-/// Returns the stated variances per axis of that difference. Air moves both lamps alike, and the
-/// end point with them.
+/// Returns the stated variances per axis of that difference. Air moves lamps and end point alike.
 Eigen::Vector2d stated_variances(const CompensatedTip& found, const JointEstimate& estimate,
                                  const LampField& field, const PoseSample& sample) {
   const double lamp = estimate.priors.lamp_factor * sample.sigma_lamp;
@@ -83,11 +71,11 @@ void judge_readings(const JointEstimate& without, const std::vector<PoseSample>&
 
 void leave_out_parts(const JointEstimate& estimate, const std::vector<PoseSample>& samples,
                      const LaidDots& board, const JudgeLeftOut& judge) {
-  const Parts parts = parts_of(estimate, samples);
+  const std::vector<std::size_t> parts = parts_of(estimate, samples);
   for (std::size_t part = 0; part < kParts; ++part) {
     std::vector<PoseSample> used, left_out;
-    for (std::size_t i = 0; i < parts.samples.size(); ++i)
-      (parts.part[i] == part ? left_out : used).push_back(parts.samples[i]);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if (parts[i] != kNeverUsed) (parts[i] == part ? left_out : used).push_back(samples[i]);
     if (left_out.empty()) continue;
     auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius,
                            board, estimate.fit.arm);

@@ -24,8 +24,7 @@ constexpr int kMostHarmonics = 3, kMostRipples = 2;
 /// A real arm's effect is left out only where samples are likelier without it by this logarithm of
 /// the odds: 10 to 1, on Jeffreys' scale strong evidence.
 constexpr double kClearlyLikelier = 2.3;
-/// The median of chi squared of two, four and six numbers, and the value it exceeds by chance once
-/// in ten million samples.
+/// The median of chi squared of so many numbers, and what one in ten million samples exceeds.
 struct Chi2 {
   double median, most;
 };
@@ -102,8 +101,7 @@ JointPriors first_priors(const TuningProblem& problem, const ArmModelSize& size)
   return priors_at(problem, searched, logs);
 }
 
-/// Returns these priors as a cell with an ordinary arm has them: it scatters by tens of
-/// micrometres, and its heights wave by as much.
+/// Returns these priors as an ordinary arm has them, which scatters by tens of micrometres.
 JointPriors of_ordinary_arm(JointPriors priors) {
   priors.arm_sigma = 2e-5;
   priors.tool_sigma = 3e-5;
@@ -181,8 +179,7 @@ std::vector<PoseSample> tuning_part(const std::vector<PoseSample>& samples) {
   return part;
 }
 
-/// Returns Gaussians over the time in which the samples were taken; none where it is too short to
-/// show a slow motion.
+/// Returns Gaussians over the samples' time; none where it is too short to show a slow motion.
 FieldBasis basis_over_time(const std::vector<PoseSample>& samples) {
   const auto [first, last] =
       std::minmax_element(samples.begin(), samples.end(),
@@ -212,8 +209,7 @@ ArmModelSize largest_size(const ArmNominal& nominal, const std::vector<PoseSampl
   return size;
 }
 
-/// Tunes the largest model, then leaves out what makes the samples clearly less likely. The
-/// last one is the choice.
+/// Tunes the largest model, then leaves out what makes samples less likely. The last is the choice.
 std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelSize& largest) {
   const JointPriors first = first_priors(problem, largest);
   std::vector<TriedModel> tried{tune(problem, largest, first)};
@@ -327,8 +323,7 @@ double share_left_out(const std::vector<JointOutlier>& left_out, std::size_t n) 
   return static_cast<double>(samples.size()) / static_cast<double>(n);
 }
 
-/// Fits until nothing that is left contradicts the fit, or more than kMostContradicting of the `n`
-/// samples at first do.
+/// Fits until nothing left contradicts the fit, or more than kMostContradicting of `n` samples did.
 JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, const LaidDots& board,
                          double radius, std::size_t n, Selection& selection) {
   while (true) {
@@ -361,11 +356,6 @@ void check(const std::vector<PoseSample>& samples) {
   }
 }
 
-void require_turned(const LaidDots& board) {
-  if (board.lays.empty()) return;
-  if (const auto doubt = doubt_of_turns(board)) throw InputError(*doubt);
-}
-
 }  // namespace
 
 void require_agreement(const JointEstimate& estimate, std::size_t n, const char* what) {
@@ -392,11 +382,8 @@ double seen_radius(const std::vector<PoseSample>& samples) {
 
 ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                        const LaidDots& laid) {
-  constexpr std::size_t kPlacesForTurn = 2;
-  constexpr double kNoDoubt = 1e-9;  // radians
   ArmNominal arm = nominal;
-  if (std::max(readings_in(samples), laid.marks.size()) < kPlacesForTurn)
-    arm.zero1_sigma = kNoDoubt;
+  if (std::max(readings_in(samples), laid.marks.size()) < 2) arm.zero1_sigma = 1e-9;
   arm.leans = axis_leans(nominal, samples);
   return arm;
 }
@@ -409,7 +396,8 @@ JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<Pose
   if (trust == ArmTrust::kNone)
     estimate.nominal.end_point_sigma =
         estimate.nominal.tool.covariance.diagonal().head<2>().cwiseSqrt().cwiseMax(kBestEndPoint);
-  if (readings_in(samples) == 0) require_turned(board);
+  if (readings_in(samples) == 0)
+    if (const auto doubt = doubt_of_turns(board)) throw InputError(*doubt);
   const double radius = seen_radius(samples);
   Selection selection{samples, std::vector<std::size_t>(samples.size()), {}};
   std::iota(selection.indices.begin(), selection.indices.end(), std::size_t{0});

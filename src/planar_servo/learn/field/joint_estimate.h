@@ -50,32 +50,28 @@ enum class ArmTrust {
 };
 
 /// Estimates field, arm and tool. Widths, deviations and the number of harmonics are those of the
-/// largest marginal likelihood; no truth and no sample kept for judging enters. Samples that lie
-/// far beyond the scatter of all are left out, the worst first: their reading, then the whole pose,
-/// until little more than kMostContradicting of them are.
-/// Where no sample has a picture the arm alone is estimated; what concerns lamps stays as it is.
-/// With less than two readings turn is counted from the zero of motor 1. Throws InputError for
-/// fewer than kFewestPoses samples, for values that are not finite, standard deviations that are
-/// not positive, and without readings for lays that are only shifted. Throws WorkError when the
+/// largest marginal likelihood. Samples that lie far beyond the scatter of all are left out, the
+/// worst first: their reading, then the whole pose, until little more than kMostContradicting of
+/// them are. Where no sample has a picture the arm alone is estimated; what concerns lamps stays as
+/// it is. With less than two readings turn is counted from the zero of motor 1. Throws InputError
+/// for fewer than kFewestPoses samples, for values that are not finite, standard deviations that
+/// are not positive, and without readings for lays that are only shifted; WorkError when the
 /// equations cannot be solved.
 JointEstimate estimate_jointly(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                                const LaidDots& board = {}, ArmTrust trust = ArmTrust::kFound);
 
-/// Throws InputError when more than kMostContradicting of the `n` samples, called `what`, disagree
-/// with the others.
+/// Throws InputError when more than kMostContradicting of `n` samples, called `what`, disagree.
 void require_agreement(const JointEstimate& estimate, std::size_t n, const char* what);
 
 constexpr std::size_t kFewestPoses = 12;
 
 std::size_t readings_in(const std::vector<PoseSample>& samples);
 
-/// Returns the radius of the disc about the base's axis in which lamps were seen. A field is
-/// estimated there, and nothing that lies beyond tells of it.
+/// Returns the radius of the disc about the base's axis in which lamps were seen.
 double seen_radius(const std::vector<PoseSample>& samples);
 
-/// Returns the arm as its files have it, with the zero of motor 1 beyond doubt when less than two
-/// readings or marks of the base fix the turn about its axis, and with what is known of its axes'
-/// leans.
+/// Returns the arm as its files have it, with what is known of its leans, and the zero of motor 1
+/// beyond doubt when less than two readings or marks of the base fix the turn about its axis.
 ArmNominal nominal_for(const ArmNominal& nominal, const std::vector<PoseSample>& samples,
                        const LaidDots& laid);
 

@@ -225,8 +225,7 @@ double JointEquations::log_likelihood() const {
 }
 
 std::vector<double> JointEquations::chi2() const {
-  // A sample pulls the fit towards itself; its residual's covariance is what that leaves of its
-  // noise, I - A (A^T A)^-1 A^T.
+  // Residuals scatter by what a sample's pull leaves of its noise, I - A (A^T A)^-1 A^T.
   const Eigen::VectorXd left = z_white_ - A_ * solution_;
   const Eigen::MatrixXd pull = solve_lower(L_, A_.transpose());
   std::vector<double> all;

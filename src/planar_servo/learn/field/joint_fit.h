@@ -24,9 +24,8 @@ struct JointPriors {
   double dot_factor{1.0};        ///< times the stated deviations of a board's dots
 };
 
-/// Holds the field, the arm and the tool that explain a set of poses, with their covariance. The
-/// unknowns are the weights of the field's x with the drift along x, those of its y, and the
-/// model's x.
+/// Holds the field, arm and tool that explain a set of poses, with their covariance. Unknowns are
+/// the weights of the field's x and the drift along x, those of its y, and the model's x.
 struct JointFit {
   FieldBasis basis;
   Eigen::MatrixX2d weights;                 ///< of the field's x and y
@@ -44,8 +43,7 @@ struct JointFit {
 /// Gauss-Newton steps from `start` (or from the files' arm) with the priors as further observations
 /// (theory section 13). The reflector and both lamps of a pose share its scatter about the arm's
 /// model, and both lamps the air between them and the camera. The lays of a board tell the field
-/// only. Every sample counts as it is; nothing is left out. Empty when the equations cannot be
-/// solved.
+/// only. Nothing is left out. Empty when the equations cannot be solved.
 std::optional<JointFit> fit_jointly(const ArmModel& model, const JointPriors& priors,
                                     const std::vector<PoseSample>& samples, double field_radius,
                                     const LaidDots& board = {}, const Eigen::VectorXd& start = {});
@@ -77,8 +75,7 @@ class JointEquations {
   std::vector<double> chi2() const;
 
  private:
-  /// Weights of Gaussians among the model's unknowns, with the inverse of their prior covariance
-  /// for a function of unit variance.
+  /// Weights of Gaussians among the unknowns, with their inverse prior for unit variance.
   struct SmoothTerms {
     Eigen::Index first;
     Eigen::MatrixXd kernel;

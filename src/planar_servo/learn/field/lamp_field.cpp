@@ -87,8 +87,7 @@ LampField bare_field(const JointEstimate& estimate, const std::vector<PoseSample
   return field;
 }
 
-/// Returns orthonormal directions of the factor's columns, which alone affect where these poses are
-/// seen and where the arm brings them.
+/// Returns orthonormal directions of the factor's columns: all that these poses and looks show.
 Eigen::MatrixXd telling_directions(const FieldAndArm& found, const Eigen::MatrixXd& factor,
                                    const std::vector<PoseSample>& samples) {
   constexpr std::size_t kPoses = 150;

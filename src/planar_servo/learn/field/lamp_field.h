@@ -19,8 +19,7 @@ struct LampField {
   Eigen::VectorXd height{Eigen::VectorXd::Zero(3)};  ///< terms of the form
   Eigen::Vector3d p_camera_B{0, 0, 1};
   ToolOffsets tool;
-  /// U of the covariance U U^T of weights of x, weights of y, height and p_TP, in this order, as
-  /// far as it can be seen where the field is valid.
+  /// U of the covariance U U^T of weights (x, then y), height and p_TP, as far as it shows.
   Eigen::MatrixXd factor;
   ValidRegion region;  ///< of the lamps' middle as seen
 
@@ -43,8 +42,7 @@ CompensatedTip compensate(const LampField& field, const std::array<Eigen::Vector
 /// Returns the tip of compensate() without its covariance, which takes most of the time.
 TipPose compensated_tip(const LampField& field, const std::array<Eigen::Vector2d, 2>& seen_B);
 
-/// Returns d(compensated end point) / d(unknowns), in the order of `factor`, where the lamps are
-/// seen.
+/// Returns d(compensated end point) / d(unknowns of `factor`) where the lamps are seen.
 Eigen::Matrix2Xd end_point_rows(const LampField& field,
                                 const std::array<Eigen::Vector2d, 2>& seen_B);
 

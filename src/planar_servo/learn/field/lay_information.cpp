@@ -14,8 +14,7 @@
 namespace planar {
 namespace {
 
-/// Deviation of a pitch called known, as a share of it: below a camera 1.5 m above dots whose
-/// height a caliper tells to 0.03 mm.
+/// Deviation of a known pitch as a share: dots 1.5 m below a camera, at a height to 0.03 mm.
 constexpr double kKnownPitch = 2e-5;
 /// The same for one that is not, after it was measured through the camera.
 constexpr double kUnknownPitch = 0.05;
@@ -82,34 +81,34 @@ LayRows rows_of(const BoardLay& lay, double scale, const FieldBasis& basis, doub
   return rows;
 }
 
-/// Normal equations of the field's weights and the board's shape.
-struct Sums {
-  explicit Sums(Eigen::Index terms)
-      : H(Eigen::MatrixXd::Zero(terms, terms)), right(Eigen::VectorXd::Zero(terms)) {}
+/// Returns what tells nothing of so many unknowns: the field's weights and others.
+LayInformation nothing_of(Eigen::Index unknowns) {
+  return {Eigen::MatrixXd::Zero(unknowns, unknowns), Eigen::VectorXd::Zero(unknowns)};
+}
 
-  Eigen::MatrixXd H;
-  Eigen::VectorXd right;
-  double squares{0.0};
-};
+void add(const LayInformation& more, LayInformation& sums) {
+  sums.H += more.H;
+  sums.right += more.right;
+  sums.squares += more.squares;
+  sums.log_determinant += more.log_determinant;
+}
 
 /// Lets the last unknowns go, which stay free or have their prior in H.
-Sums without_last(const Sums& sums, Eigen::Index count) {
+LayInformation without_last(const LayInformation& sums, Eigen::Index count) {
   const Eigen::Index n = sums.right.size() - count;
   const Eigen::MatrixXd with_last = sums.H.topRightCorner(n, count);
   Eigen::MatrixXd right(count, n + 1);
   right << with_last.transpose(), sums.right.tail(count);
   const Eigen::MatrixXd solved = solve_symmetric(sums.H.bottomRightCorner(count, count), right);
-  Sums left(n);
-  left.H = sums.H.topLeftCorner(n, n) - with_last * solved.leftCols(n);
-  left.right = sums.right.head(n) - with_last * solved.col(n);
-  left.squares = sums.squares - sums.right.tail(count).dot(solved.col(n));
-  return left;
+  return {sums.H.topLeftCorner(n, n) - with_last * solved.leftCols(n),
+          sums.right.head(n) - with_last * solved.col(n),
+          sums.squares - sums.right.tail(count).dot(solved.col(n))};
 }
 
 /// Adds a lay, of which the pose is free: it takes its part of the squares away.
-void add(const LayRows& rows, Sums& sums) {
+void add(const LayRows& rows, LayInformation& sums) {
   const Eigen::Index nb = rows.field.cols(), n = 2 * nb + kShape, all = n + kPose;
-  Sums lay(all);
+  LayInformation lay = nothing_of(all);
   Eigen::MatrixXd of_others(all + 1, kColumns);
   of_others << rows.field.transpose() * rows.x, rows.field.transpose() * rows.y,
       rows.x.transpose() * rows.x + rows.y.transpose() * rows.y;
@@ -121,33 +120,15 @@ void add(const LayRows& rows, Sums& sums) {
       of_others.topLeftCorner(2 * nb, kShape + kPose).transpose();
   lay.right = of_others.col(kColumns - 1).head(all);
   lay.squares = of_others(all, kColumns - 1);
-  lay = without_last(lay, kPose);
-  sums.H += lay.H;
-  sums.right += lay.right;
-  sums.squares += lay.squares;
-}
-
-}  // namespace
-
-std::size_t LaidDots::dots() const {
-  std::size_t n = 0;
-  for (const BoardLay& lay : lays) n += static_cast<std::size_t>(lay.seen_B.cols());
-  return n;
-}
-
-namespace {
-
-LayInformation add(const LayInformation& a, const LayInformation& b) {
-  return {a.H + b.H, a.right + b.right, a.squares + b.squares,
-          a.log_determinant + b.log_determinant};
+  add(without_last(lay, kPose), sums);
 }
 
 LayInformation told_by_board(const LaidDots& board, const FieldBasis& basis, double factor) {
   const std::vector<BoardLay> lays = on_disc(board.lays, basis.radius);
   const Eigen::Index n = 2 * basis.terms();
-  if (lays.empty()) return {Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), 0.0, 0.0};
+  if (lays.empty()) return nothing_of(n);
   const double scale = board.pitch_known ? 1.0 : seen_scale(lays);
-  Sums sums(n + kShape);
+  LayInformation sums = nothing_of(n + kShape);
   double numbers = 0.0;
   for (const BoardLay& lay : lays) {
     add(rows_of(lay, scale, basis, factor), sums);
@@ -156,10 +137,10 @@ LayInformation told_by_board(const LaidDots& board, const FieldBasis& basis, dou
   const Eigen::Vector3d prior(board.pitch_known ? kKnownPitch : kUnknownPitch, kPrinted, kPrinted);
   sums.H.diagonal().tail<3>() += prior.cwiseAbs2().cwiseInverse();
   const Eigen::Matrix3d of_shape = sums.H.bottomRightCorner<3, 3>();
-  const Sums field = without_last(sums, kShape);
-  return {field.H, field.right, field.squares,
-          2.0 * numbers * std::log(factor) + std::log(of_shape.determinant()) +
-              2.0 * prior.array().log().sum()};
+  LayInformation field = without_last(sums, kShape);
+  field.log_determinant = 2.0 * numbers * std::log(factor) + std::log(of_shape.determinant()) +
+                          2.0 * prior.array().log().sum();
+  return field;
 }
 
 /// What the bar and the marks tell. Seen length = length + its deviation + what the field adds from
@@ -173,7 +154,7 @@ LayInformation told_by_standards(const LaidDots& laid, const FieldBasis& basis) 
   const double shift = std::max(laid.lamps_shift_sigma, kNone_m) / std::sqrt(2.0);
   const Eigen::Vector4d prior(std::max(laid.length_sigma, kNone_m), shift, shift,
                               shift / basis.radius);
-  Sums sums(n + kMore);
+  LayInformation sums = nothing_of(n + kMore);
   sums.H.diagonal().tail<kMore>() = prior.cwiseAbs2().cwiseInverse();
   Eigen::RowVectorXd row(n + kMore);
   const auto add_row = [&](double z, double sigma) {
@@ -201,15 +182,24 @@ LayInformation told_by_standards(const LaidDots& laid, const FieldBasis& basis) 
     }
   }
   const Eigen::Matrix4d of_more = sums.H.bottomRightCorner<kMore, kMore>();
-  const double told = std::log((prior.asDiagonal() * of_more * prior.asDiagonal()).determinant());
-  const Sums field = without_last(sums, kMore);
-  return {field.H, field.right, field.squares, told};
+  LayInformation field = without_last(sums, kMore);
+  field.log_determinant =
+      std::log((prior.asDiagonal() * of_more * prior.asDiagonal()).determinant());
+  return field;
 }
 
 }  // namespace
 
+std::size_t LaidDots::dots() const {
+  std::size_t n = 0;
+  for (const BoardLay& lay : lays) n += static_cast<std::size_t>(lay.seen_B.cols());
+  return n;
+}
+
 LayInformation lay_information(const LaidDots& laid, const FieldBasis& basis, double factor) {
-  return add(told_by_board(laid, basis, factor), told_by_standards(laid, basis));
+  LayInformation told = told_by_board(laid, basis, factor);
+  add(told_by_standards(laid, basis), told);
+  return told;
 }
 
 std::optional<Refusal> doubt_of_turns(const LaidDots& board) {
@@ -227,8 +217,8 @@ std::optional<Refusal> doubt_of_turns(const LaidDots& board) {
       board.lays.size() == 1
           ? "there is one lay of the board; it"
           : fmt::format(
-                "the {} lays of the board are only shifted, all turned by nearly the same "
-                "angle; they",
+                "the {} lays of the board are only shifted, all turned by nearly the "
+                "same angle; they",
                 board.lays.size());
   return Refusal{what + " cannot tell a pattern that is printed askew from a picture that is bent",
                  "lay the board at other turns, too, some of them by 45 to 90 degrees", "lays"};

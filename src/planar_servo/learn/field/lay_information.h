@@ -12,12 +12,10 @@
 
 namespace planar {
 
-/// The dots of a board that was laid on the plane, as one picture shows them. Lengths are in
-/// metres.
+/// The dots of a board that was laid on the plane, as one picture shows them, metres.
 struct BoardLay {
   std::string id;
-  /// On the board as seen from above; a turn and a shift take these to where the dots are. In any
-  /// unit where the board's pitch is not known.
+  /// On the board seen from above, turned and shifted; in any unit if the pitch is not known.
   Eigen::Matrix2Xd p_board;
   Eigen::Matrix2Xd seen_B;  ///< base frame
   Eigen::VectorXd sigma;    ///< of seen_B, per axis
@@ -35,8 +33,7 @@ struct MarkSight {
   double sigma{0.0};  ///< of both together, per axis
 };
 
-/// What lies on the plane: lays of one board, a bar of certified length in several places, and
-/// marks that define the base frame.
+/// What lies on the plane: lays of one board, a certified bar in several places, marks of the base.
 struct LaidDots {
   std::vector<BoardLay> lays;
   bool pitch_known{true};

@@ -88,19 +88,18 @@ ArmFit fit_numbers(const CellModel& model, const std::vector<ArmSight>& sights,
   return best;
 }
 
-/// One supposed cause: a model of another kind or a suspect with freed numbers, and where their
-/// search begins.
+/// A supposed cause: another kind of model or a suspect's freed numbers, and where to begin.
 struct Supposition {
   const Suspect* suspect{nullptr};
   Cause cause{Cause::kSeveral};
   CellModel model;
   std::vector<Numbers> starts{Numbers::Zero()};
+  ArmFit fit{};  ///< the best one from these
 
   std::size_t freed() const { return suspect == nullptr ? 0 : suspect->numbers.size(); }
 };
 
-/// Returns where the search for a number of this cause begins: gears exchanged, doubled or given in
-/// degrees instead of radians, and quarter turns.
+/// Returns where to begin: gears exchanged, doubled or in degrees for radians, and quarter turns.
 std::vector<double> starts_of(const Suspect& suspect) {
   constexpr double kDegreesForRadians = 180.0 / kPi;
   const int number = suspect.numbers[0];
@@ -137,9 +136,9 @@ CellModel with_other_elbow(const CellModel& as_filed, const ArmSight& sight) {
   return model;
 }
 
-/// Returns the suppositions of another kind than filed.
-std::vector<Supposition> changed_kinds(const CellModel& as_filed, const ArmSight& first) {
-  std::vector<Supposition> all;
+/// Adds the suppositions of another kind than filed.
+void add_changed_kinds(const CellModel& as_filed, const ArmSight& first,
+                       std::vector<Supposition>& all) {
   const auto suppose = [&](Cause cause) -> CellModel& {
     all.push_back({nullptr, cause, as_filed});
     return all.back().model;
@@ -159,7 +158,6 @@ std::vector<Supposition> changed_kinds(const CellModel& as_filed, const ArmSight
     suppose(Cause::kPictureMirrored).mirrored = true;
     all.back().starts[0][kTurnOff] = turn;
   }
-  return all;
 }
 
 /// Returns the best fit under a supposition. Every freed number costs the logarithm of the count of
@@ -190,32 +188,24 @@ double farthest(const CellModel& as_filed, const std::vector<ArmSight>& sights) 
   return most;
 }
 
-/// A supposition with how well it fits.
-struct Explanation {
-  Supposition supposed;
-  ArmFit fit;
-};
-
 /// Returns whether a joint would turn so many times as far as commanded as no mistaken gear makes
 /// it, but for one in degrees instead of radians: something else is wrong then.
-bool is_absurd(const Explanation& explanation) {
+bool is_absurd(const Supposition& supposed) {
   constexpr double kMost = 30.0, kDegreesShare = 0.005;
-  const Suspect* const suspect = explanation.supposed.suspect;
-  if (suspect == nullptr || suspect->numbers.size() != 1) return false;
-  const int number = suspect->numbers[0];
+  if (supposed.suspect == nullptr) return false;
+  const int number = supposed.suspect->numbers[0];
   if (number < kGearOff || number >= kLinkOff) return false;
-  const double times = std::abs(1.0 + explanation.fit.off[number]);
+  const double times = std::abs(1.0 + supposed.fit.off[number]);
   return times > kMost && std::abs(times * kDegree - 1.0) > kDegreesShare;
 }
 
-HealthFinding finding_of(const Explanation& explanation, const CellModel& as_filed, double cost_m) {
-  const Supposition& supposed = explanation.supposed;
-  if (is_absurd(explanation))
+HealthFinding finding_of(const Supposition& supposed, const CellModel& as_filed, double cost_m) {
+  if (is_absurd(supposed))
     return {Cause::kSeveral, mm(cost_m), "mm", cost_m,
             "nothing that may be wrong with the arm explains what is seen; is the camera file that "
             "of this camera, for whole pictures of this size?"};
   if (supposed.suspect != nullptr) {
-    Numbers off = explanation.fit.off;
+    Numbers off = supposed.fit.off;
     // A tool of equal lamps looks the same after half a turn.
     if (supposed.cause == Cause::kZero3) off[kZeroOff + 2] = std::remainder(off[kZeroOff + 2], kPi);
     return finding_of(*supposed.suspect, as_filed, off, cost_m);
@@ -231,23 +221,22 @@ std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
   if (sights.empty()) return {};
   const double sound = fit_supposed(sights, {nullptr, Cause::kSeveral, as_filed}).chi2;
   std::vector<Supposition> all = freed_numbers(as_filed);
-  for (Supposition& changed : changed_kinds(as_filed, sights.front()))
-    all.push_back(std::move(changed));
-  std::vector<Explanation> explanations;
+  add_changed_kinds(as_filed, sights.front(), all);
+  std::vector<Supposition> explanations;
   for (Supposition& supposed : all) {
-    const ArmFit fit = fit_supposed(sights, supposed);
-    if (fit.chi2 < sound - kLeastGain) explanations.push_back({std::move(supposed), fit});
+    supposed.fit = fit_supposed(sights, supposed);
+    if (supposed.fit.chi2 < sound - kLeastGain) explanations.push_back(std::move(supposed));
   }
   if (explanations.empty()) return {};
   std::sort(explanations.begin(), explanations.end(),
-            [](const Explanation& a, const Explanation& b) { return a.fit.chi2 < b.fit.chi2; });
-  const Explanation& best = explanations.front();
+            [](const Supposition& a, const Supposition& b) { return a.fit.chi2 < b.fit.chi2; });
+  const Supposition& best = explanations.front();
   const double cost_m = farthest(as_filed, sights);
   std::vector<HealthFinding> found{finding_of(best, as_filed, cost_m)};
   const double as_good = best.fit.chi2 + std::max(kAsLikely, kLittleLeft * (sound - best.fit.chi2));
   const auto second =
-      std::find_if(explanations.begin() + 1, explanations.end(), [&](const Explanation& other) {
-        return other.supposed.freed() == best.supposed.freed() && other.fit.chi2 < as_good;
+      std::find_if(explanations.begin() + 1, explanations.end(), [&](const Supposition& other) {
+        return other.freed() == best.freed() && other.fit.chi2 < as_good;
       });
   if (second != explanations.end()) found.push_back(finding_of(*second, as_filed, cost_m));
   return found;

@@ -16,10 +16,9 @@ struct ArmSight {
 };
 
 /// Finds what differs from the cell's files, from motions that were commanded and seen. Every cause
-/// is tried: it frees numbers of the model or changes its kind, while all other numbers stay within
-/// the usual deviations of such arms and cameras. Returns the cause that explains the sights best
-/// when it is e^8 times as likely as a cell without fault, and a second one that explains them
-/// nearly as well.
+/// frees numbers of the model or changes its kind; all others stay within the usual deviations of
+/// such arms and cameras. Returns the cause that explains the sights best when it is e^8 times as
+/// likely as a cell without fault, and a second one that explains them nearly as well.
 std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
                                            const std::vector<ArmSight>& sights);
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -16,15 +15,17 @@ namespace {
 struct Advice {
   Cause cause;
   const char* words;
-  const char* usable;
   const char* redo;
+  const char* usable{"all calibration files"};
 };
 
-constexpr char kAllFiles[] = "all calibration files";
 constexpr char kOnlyLens[] = "camera.yaml and tool.yaml";
 constexpr char kPlaneAgain[] =
     "put the camera back, or record the places again and run planar-pair-tracker and "
     "planar-fit-error-map";
+constexpr char kNotTool[] = "camera.yaml and workplane.yaml";
+constexpr char kSweepAgain[] =
+    "fasten the lamp, record a sweep of joint 3 and run planar-pair-tracker again";
 constexpr char kHome[] = "home the drive with planar-jog";
 constexpr char kTighten[] = "look at the gear, its coupling and the bolts of the joint";
 constexpr char kDrives[] = "correct `drives` in the cell file, then record and calibrate again";
@@ -34,74 +35,69 @@ constexpr char kUneven[] =
 constexpr char kArm[] = "correct `arm` in the cell file";
 
 constexpr Advice kAdvice[] = {
-    {Cause::kPictureMirrored, "the picture is mirrored", "nothing",
-     "switch off the camera's reversal of x or y, or calibrate the camera anew"},
-    {Cause::kCameraShifted, "the camera has shifted", kOnlyLens, kPlaneAgain},
-    {Cause::kCameraTurned, "the camera has turned", kOnlyLens, kPlaneAgain},
+    {Cause::kPictureMirrored, "the picture is mirrored",
+     "switch off the camera's reversal of x or y, or calibrate the camera anew", "nothing"},
+    {Cause::kCameraShifted, "the camera has shifted", kPlaneAgain, kOnlyLens},
+    {Cause::kCameraTurned, "the camera has turned", kPlaneAgain, kOnlyLens},
     {Cause::kCameraCloser, "the camera has come closer or its lens is focused elsewhere",
-     "tool.yaml", "put the camera back; if it was the lens, begin with planar-calibrate-camera"},
-    {Cause::kCameraTilted, "the camera has tilted", kOnlyLens, kPlaneAgain},
-    {Cause::kLamp1Moved, "lamp 1 has moved on the tool", "camera.yaml and workplane.yaml",
-     "fasten the lamp, record a sweep of joint 3 and run planar-pair-tracker again"},
-    {Cause::kLamp2Moved, "lamp 2 has moved on the tool", "camera.yaml and workplane.yaml",
-     "fasten the lamp, record a sweep of joint 3 and run planar-pair-tracker again"},
-    {Cause::kZero1, "joint 1 has lost its zero", kAllFiles, kHome},
-    {Cause::kZero2, "joint 2 has lost its zero", kAllFiles, kHome},
-    {Cause::kZero3, "joint 3 has lost its zero", kAllFiles, kHome},
-    {Cause::kPlay1, "the play of joint 1 has grown", kAllFiles, kTighten},
-    {Cause::kPlay2, "the play of joint 2 has grown", kAllFiles, kTighten},
-    {Cause::kPlay3, "the play of joint 3 has grown", kAllFiles, kTighten},
-    {Cause::kDirection1, "the direction of joint 1 is reversed", kAllFiles, kDrives},
-    {Cause::kDirection2, "the direction of joint 2 is reversed", kAllFiles, kDrives},
-    {Cause::kDirection3, "the direction of joint 3 is reversed", kAllFiles, kDrives},
-    {Cause::kGear1, "the gear ratio of joint 1 is wrong", kAllFiles, kDrives},
-    {Cause::kGear2, "the gear ratio of joint 2 is wrong", kAllFiles, kDrives},
-    {Cause::kGear3, "the gear ratio of joint 3 is wrong", kAllFiles, kDrives},
-    {Cause::kUneven1, "the gear ratio of joint 1 is wrong, or the joint turns unevenly", kAllFiles,
-     kUneven},
-    {Cause::kUneven2, "the gear ratio of joint 2 is wrong, or the joint turns unevenly", kAllFiles,
-     kUneven},
-    {Cause::kUneven3, "the gear ratio of joint 3 is wrong, or the joint turns unevenly", kAllFiles,
-     kUneven},
-    {Cause::kLink1, "link 1 has another length", kAllFiles, kArm},
-    {Cause::kLink2, "link 2 has another length", kAllFiles, kArm},
-    {Cause::kLinksExchanged, "the lengths of the links are exchanged", kAllFiles, kArm},
-    {Cause::kCoupling2, "the coupling of joint 2 is wrong", kAllFiles, kArm},
-    {Cause::kCoupling3, "the coupling of joint 3 is wrong", kAllFiles, kArm},
+     "put the camera back; if it was the lens, begin with planar-calibrate-camera", "tool.yaml"},
+    {Cause::kCameraTilted, "the camera has tilted", kPlaneAgain, kOnlyLens},
+    {Cause::kLamp1Moved, "lamp 1 has moved on the tool", kSweepAgain, kNotTool},
+    {Cause::kLamp2Moved, "lamp 2 has moved on the tool", kSweepAgain, kNotTool},
+    {Cause::kZero1, "joint 1 has lost its zero", kHome},
+    {Cause::kZero2, "joint 2 has lost its zero", kHome},
+    {Cause::kZero3, "joint 3 has lost its zero", kHome},
+    {Cause::kPlay1, "the play of joint 1 has grown", kTighten},
+    {Cause::kPlay2, "the play of joint 2 has grown", kTighten},
+    {Cause::kPlay3, "the play of joint 3 has grown", kTighten},
+    {Cause::kDirection1, "the direction of joint 1 is reversed", kDrives},
+    {Cause::kDirection2, "the direction of joint 2 is reversed", kDrives},
+    {Cause::kDirection3, "the direction of joint 3 is reversed", kDrives},
+    {Cause::kGear1, "the gear ratio of joint 1 is wrong", kDrives},
+    {Cause::kGear2, "the gear ratio of joint 2 is wrong", kDrives},
+    {Cause::kGear3, "the gear ratio of joint 3 is wrong", kDrives},
+    {Cause::kUneven1, "the gear ratio of joint 1 is wrong, or the joint turns unevenly", kUneven},
+    {Cause::kUneven2, "the gear ratio of joint 2 is wrong, or the joint turns unevenly", kUneven},
+    {Cause::kUneven3, "the gear ratio of joint 3 is wrong, or the joint turns unevenly", kUneven},
+    {Cause::kLink1, "link 1 has another length", kArm},
+    {Cause::kLink2, "link 2 has another length", kArm},
+    {Cause::kLinksExchanged, "the lengths of the links are exchanged", kArm},
+    {Cause::kCoupling2, "the coupling of joint 2 is wrong", kArm},
+    {Cause::kCoupling3, "the coupling of joint 3 is wrong", kArm},
     {Cause::kPositiveRotation, "the joints turn in the other sense than positive_rotation says",
-     kAllFiles, kArm},
-    {Cause::kElbow, "the arm stands with its other elbow", kAllFiles,
+     kArm},
+    {Cause::kElbow, "the arm stands with its other elbow",
      "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
-    {Cause::kHome, "the arm's home is not where the cell file says", kAllFiles,
+    {Cause::kHome, "the arm's home is not where the cell file says",
      "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
-    {Cause::kNotVisited, "the arm cannot go where the check needs it", kAllFiles,
+    {Cause::kNotVisited, "the arm cannot go where the check needs it",
      "correct `arm` and `workspace` in the cell file, bring the arm into its workspace with "
      "planar-jog, or move without the check (--no-health)"},
     {Cause::kSeparation,
-     "a lamp, the cell file's separation or the camera file is not that of this cell", kAllFiles,
+     "a lamp, the cell file's separation or the camera file is not that of this cell",
      "fasten the lamp, correct `lamps.separation_mm`, or name this camera's own file"},
-    {Cause::kNotSeen, "the lamps are not seen", kAllFiles,
+    {Cause::kNotSeen, "the lamps are not seen",
      "check that both lamps are lit, in view of the camera and in focus"},
-    {Cause::kBackground, "there is light from elsewhere", kAllFiles,
+    {Cause::kBackground, "there is light from elsewhere",
      "shade the cell or switch that light off"},
-    {Cause::kTooBright, "a lamp is too bright", kAllFiles,
+    {Cause::kTooBright, "a lamp is too bright",
      "reduce the exposure or the lamp's current to what they were at the calibration"},
-    {Cause::kBlurred, "the picture is blurred", kAllFiles,
+    {Cause::kBlurred, "the picture is blurred",
      "clean the window and the lamps; if the lens has lost its focus, begin with "
      "planar-calibrate-camera"},
-    {Cause::kUnclearLamp, "the rim of one lamp is unclear", kAllFiles,
+    {Cause::kUnclearLamp, "the rim of one lamp is unclear",
      "clean that lamp and the window before it, and look whether it shines evenly"},
-    {Cause::kOval, "a lamp is no longer round", kAllFiles,
+    {Cause::kOval, "a lamp is no longer round",
      "clean the lamp; check what covers it and whether light is reflected beside it"},
     {Cause::kWarmth,
      "the motors' warmth has changed the arm, or the camera has come closer or its lens is focused "
      "elsewhere",
-     kAllFiles,
      "nothing, if the arm has worked for a while; fixed lamps in view would tell the two apart"},
-    {Cause::kView, "the view has changed there alone", kAllFiles,
+    {Cause::kView, "the view has changed there alone",
      "clean window and lens, and look for what stands in the way or is reflected there"},
-    {Cause::kSeveral, "more than one thing has changed", "nothing, until the causes are known",
-     "look at camera, lamps and arm; then calibrate what was touched"},
+    {Cause::kSeveral, "more than one thing has changed",
+     "look at camera, lamps and arm; then calibrate what was touched",
+     "nothing, until the causes are known"},
 };
 
 const Advice& advice(Cause cause) {
@@ -110,7 +106,6 @@ const Advice& advice(Cause cause) {
   throw std::invalid_argument("a cause without advice");
 }
 
-constexpr double kPercent = 0.01;
 constexpr char kDegrees[] = "deg", kMillimetres[] = "mm", kTurns[] = "turns per turn commanded";
 
 bool is_gear(const Suspect& suspect) {
@@ -127,12 +122,7 @@ Cause cause_of(const Suspect& suspect, const Numbers& off) {
                                                                   : suspect.cause;
 }
 
-bool is_link(const Suspect& suspect) {
-  return suspect.numbers.front() >= kLinkOff && suspect.numbers.front() < kLampOff;
-}
-
-/// Returns the size in the suspect's unit: the number, the length of two, or the displacement by
-/// more.
+/// Returns the size in the suspect's unit: the number, the length of two, the displacement by more.
 double size_of(const Suspect& suspect, const Numbers& off, double cost_m) {
   const double first = off[suspect.numbers[0]];
   if (is_gear(suspect)) return 1.0 + first;
@@ -183,7 +173,7 @@ const std::vector<Suspect>& suspects() {
   static const std::vector<Suspect> all{
       {Cause::kCameraShifted, {kShiftOff, kShiftOff + 1}, kMillimetres, kMillimetre},
       {Cause::kCameraTurned, {kTurnOff}, kDegrees, kDegree},
-      {Cause::kCameraCloser, {kGrowthOff}, "%", kPercent},
+      {Cause::kCameraCloser, {kGrowthOff}, "%", 0.01},
       {Cause::kCameraTilted,
        {kShiftOff, kShiftOff + 1, kTiltOff, kTiltOff + 1},
        kMillimetres,
@@ -204,12 +194,13 @@ const std::vector<Suspect>& suspects() {
 
 HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, const Numbers& off,
                          double cost_m) {
+  const int number = suspect.numbers.front();
   const Cause cause = cause_of(suspect, off);
   HealthFinding finding{cause, size_of(suspect, off, cost_m), suspect.unit, cost_m, words(cause)};
   if (is_gear(suspect)) {
     finding.fault += fmt::format(": it turns {:.4f} times as far as commanded", finding.size);
-  } else if (is_link(suspect)) {
-    const double filed_mm = as_filed.links_m[suspect.numbers[0] - kLinkOff] / kMillimetre;
+  } else if (number >= kLinkOff && number < kLampOff) {
+    const double filed_mm = mm(as_filed.links_m[number - kLinkOff]);
     finding.fault += fmt::format(": {:.2f} mm, not {:.2f} mm", filed_mm + finding.size, filed_mm);
   } else if (suspect.numbers.size() > 2) {
     finding.fault +=

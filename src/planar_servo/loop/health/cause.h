@@ -14,8 +14,7 @@ namespace planar {
 /// The places of lamps 1 and 2 on the plane of their motion, base frame, metres.
 using LampPlaces = std::array<Eigen::Vector2d, 2>;
 
-/// The numbers by which a cell may differ from its files, in vector order. Angles are in radians
-/// and lengths in metres.
+/// The numbers by which a cell may differ from its files, in vector order; radians and metres.
 enum Number : int {
   kZeroOff = 0,     ///< of motors 1 to 3, behind their gears
   kGearOff = 3,     ///< of motors 1 to 3: the share by which they turn too far, counted from home
@@ -43,8 +42,7 @@ struct CellModel {
 };
 
 /// Returns where the lamps are seen with the motors commanded to these angles (radians, behind
-/// their gears), in a cell that is `off` from the model. A camera that has moved is modelled to
-/// first order.
+/// their gears), in a cell that is `off` from the model; to first order where the camera has moved.
 LampPlaces lamps_seen(const CellModel& model, const Eigen::Vector3d& motors,
                       const Numbers& off = Numbers::Zero());
 
@@ -126,9 +124,8 @@ struct Suspect {
   double unit_size{1.0};  ///< the unit in metres, radians or 1
 };
 
-/// A second suspect is named beside the likeliest one when its odds are 1 to 20 or better (twice
-/// the logarithm), or when it leaves this little of the misfit: a model is less exact than the
-/// noise.
+/// A second suspect is named where its odds are 1 to 20 or better (twice the logarithm), or where
+/// it leaves this little of the misfit: a model is less exact than the noise.
 constexpr double kAsLikely = 6.0;
 constexpr double kLittleLeft = 0.02;
 

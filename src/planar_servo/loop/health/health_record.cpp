@@ -17,22 +17,21 @@ namespace {
 struct LookFeature {
   Cause cause;
   double (*value)(const LampLook&);
-  bool counts_above, counts_below;  ///< which way out of the range is a fault
-  double least_width;               ///< of a range: what noise does to one look
-  const char* format;               ///< of the lamp, the value and its range
+  bool counts_above;   ///< out of the range is a fault above it, else below
+  double least_width;  ///< of a range: what noise does to one look
+  const char* format;  ///< of the lamp, the value and its range
   const char* unit;
 };
 
-/// The widths are those of noise: two grey levels, a tenth of the usual blur, one per cent of a
-/// diameter of 30 px and more.
+/// Noise makes the widths: two grey levels, a tenth of the blur, one per cent of 30 px and more.
 const LookFeature kLookFeatures[] = {
-    {Cause::kBackground, [](const LampLook& look) { return look.background; }, true, false, 2.0,
+    {Cause::kBackground, [](const LampLook& look) { return look.background; }, true, 2.0,
      "{}: the background of lamp {} is {:.0f} of 255, was {:.0f} to {:.0f}", "levels"},
-    {Cause::kTooBright, [](const LampLook& look) { return look.contrast(); }, true, false, 5.0,
+    {Cause::kTooBright, [](const LampLook& look) { return look.contrast(); }, true, 5.0,
      "{}: lamp {} is {:.0f} levels above its background, was {:.0f} to {:.0f}", "levels"},
-    {Cause::kBlurred, [](const LampLook& look) { return look.blur_px; }, true, false, 0.1,
+    {Cause::kBlurred, [](const LampLook& look) { return look.blur_px; }, true, 0.1,
      "{}: the rim of lamp {} is blurred by {:.2f} px, was {:.2f} to {:.2f}", "px"},
-    {Cause::kOval, [](const LampLook& look) { return look.axis_ratio; }, false, true, 0.01,
+    {Cause::kOval, [](const LampLook& look) { return look.axis_ratio; }, false, 0.01,
      "{}: the axes of lamp {} are as {:.2f} to 1, were {:.2f} to {:.2f}", ""},
 };
 
@@ -78,8 +77,7 @@ double apart(const SeenPlace& a, const SeenPlace& b) {
   return (a.seen.p - b.seen.p).norm() + 5.0 * separation(a.place.lamps_B) * std::abs(turn);
 }
 
-/// Returns the indices of places that are far apart: each new one is the farthest from those chosen
-/// before, the first one the farthest from the base.
+/// Returns places far apart: each the farthest from those before, the first from the base.
 std::vector<std::size_t> spread_places(const std::vector<SeenPlace>& seen) {
   std::vector<std::size_t> chosen;
   std::vector<double> nearest(seen.size(), std::numeric_limits<double>::infinity());
@@ -120,8 +118,7 @@ std::optional<HealthFinding> find_light_change(const LookRanges& then,
       const double value = mean_of(now, lamp, feature);
       const double least = feature.value(then[lamp].least), most = feature.value(then[lamp].most);
       const double width = std::max(feature.least_width, most - least);
-      return value > 0.0 && ((feature.counts_above && value > most + width) ||
-                             (feature.counts_below && value < least - width));
+      return value > 0.0 && (feature.counts_above ? value > most + width : value < least - width);
     };
     for (std::size_t lamp = 0; lamp < 2; ++lamp) {
       if (!has_changed(lamp)) continue;

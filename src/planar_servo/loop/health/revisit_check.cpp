@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
@@ -73,8 +72,7 @@ struct Whitened {
       const Eigen::MatrixXd warm = warmth(model, J);
       covariance = warm * warm.transpose();
     }
-    // The base stood anywhere at each place of a recording; all places of a check follow each
-    // other.
+    // The base stood anywhere at each place of a recording; places of a check follow each other.
     Eigen::MatrixX2d shift(d.size(), 2);
     for (std::size_t i = 0; i < revisits.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(kCoordinates * i);

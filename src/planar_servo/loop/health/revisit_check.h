@@ -8,8 +8,7 @@
 
 namespace planar {
 
-/// Holds a place that was seen at the calibration and again now, with the motors at the same
-/// angles and approached from the same side.
+/// Holds a place seen at the calibration and now, at the same motor angles from the same side.
 struct Revisit {
   Eigen::Vector3d motors{0.0, 0.0, 0.0};  ///< behind their gears, radians
   LampPlaces then_B, now_B;               ///< of the same lamps, uncompensated
@@ -23,10 +22,9 @@ constexpr double kHarmless_m = 10e-6;
 
 /// Finds what has changed since the calibration. The displacement by each cause, to first order, is
 /// fitted to the differences by least squares; the one that explains them best for its count of
-/// numbers is returned, and a second one where the two are as likely as 20 to 1. Nothing is
-/// returned for differences that noise, the arm's scatter, motion and warmth explain in one of
-/// 1,000 sound cells, and for changes that cost less than kHarmless_m. Where no single cause
-/// explains them, kSeveral is.
+/// numbers is returned, and a second one where the two are as likely as 20 to 1; kSeveral where no
+/// single cause does. Nothing is returned for differences that noise, the arm's scatter, motion and
+/// warmth explain in one of 1,000 sound cells, and for less than kHarmless_m.
 std::vector<HealthFinding> find_changes(const CellModel& model,
                                         const std::vector<Revisit>& revisits);
 

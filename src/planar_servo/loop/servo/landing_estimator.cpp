@@ -1,7 +1,6 @@
 #include "planar_servo/loop/servo/landing_estimator.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -43,13 +42,11 @@ double mean_below_m(double deviation_m, double limit_m) {
 }
 
 // The factors of the model's scatter that are tried are powers of the root of 2, from 1/4 to 64.
-constexpr int kLeastPower = -4;
-constexpr int kGreatestPower = 12;
+constexpr int kLeastPower = -4, kGreatestPower = 12;
 /// The model's scatter counts like so many stops seen along one axis.
 constexpr double kPseudoCounts = 4.0;
 /// Now and then a stop scatters ten times as far: something stuck, or somebody touched the arm.
-constexpr double kOutlierShare = 0.01;
-constexpr double kOutlierFactor = 10.0;
+constexpr double kOutlierShare = 0.01, kOutlierFactor = 10.0;
 /// Each look keeps this share of what earlier ones said of the scatter, which changes with wear and
 /// warmth: the last two hundred looks count.
 constexpr double kMemory = 0.995;
@@ -57,8 +54,7 @@ constexpr double kMemory = 0.995;
 /// A smaller deviation is not worth stopping for.
 constexpr double kWorthADoubt_m = 50e-6;
 
-/// Returns the prior of a factor, up to a constant: the density of an inverse gamma distribution of
-/// its square, over its logarithm.
+/// Returns the log prior of a factor whose square is inverse gamma, up to a constant.
 double log_credibility(double factor) {
   const double square = factor * factor;
   return -0.5 * kPseudoCounts * (std::log(square) + 1.0 / square);
@@ -129,13 +125,9 @@ double nearest_expected_m(const Spread& spread, int corrections) {
 
 LandingEstimator::LandingEstimator(LandingModel& model, double play_m)
     : model_(model), play_m_(play_m) {
-  for (int i = kLeastPower; i <= kGreatestPower; ++i) {
-    for (int j = kLeastPower; j <= kGreatestPower; ++j) {
-      Member& member = members_.emplace_back();
-      member.factor = std::exp2(0.5 * i);
-      member.short_factor = std::exp2(0.5 * j);
-    }
-  }
+  for (int i = kLeastPower; i <= kGreatestPower; ++i)
+    for (int j = kLeastPower; j <= kGreatestPower; ++j)
+      members_.push_back({std::exp2(0.5 * i), std::exp2(0.5 * j)});
   share_weights();
 }
 

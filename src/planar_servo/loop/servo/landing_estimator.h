@@ -19,8 +19,7 @@ struct LandingPrior {
   /// has left there. Both have zero mean.
   Eigen::Matrix4d covariance{Eigen::Matrix4d::Zero()};
   /// Deviations per axis of a stop after a long move and after one below kShortMove_m, positive.
-  double scatter_m{0.0};
-  double short_scatter_m{0.0};
+  double scatter_m{0.0}, short_scatter_m{0.0};
   /// Deviation per axis of d where the arm has strayed, as one in a hundred may: something stuck or
   /// slipped. 0 where the covariance leaves room for that.
   double stray_m{0.0};
@@ -43,23 +42,17 @@ constexpr double kShortMove_m = 1e-3;
 class LandingModel {
  public:
   virtual ~LandingModel() = default;
-
   /// Returns the prior at the place of a first look, for these commanded joints.
   virtual LandingPrior at(const Joints& theta_c, const TipMeasurement& look) const = 0;
-
   /// Receives every look at a target that the guard let through.
   virtual void learn(const SeenLanding& /*seen*/) {}
-
   /// Returns what the looks so far make doubtful about the last one or the cell, if anything.
   virtual std::optional<Doubt> doubt() const { return std::nullopt; }
-
-  /// Returns the arm as learned, to plan with from the next target on; null for a model that learns
-  /// nothing of the arm.
+  /// Returns the arm as learned, to plan with from the next target on; null where none is learned.
   virtual const FoundArm* learned_arm() const { return nullptr; }
 };
 
-/// The guard's distance is half as long again as any that was seen at the calibration: so many
-/// deviations of them.
+/// The guard's distance is half as long again as any seen: so many deviations of them.
 constexpr double kDeviationsToGuard = 3.0;
 
 /// The landings of an arm of which nothing is known. Vision is as certain as it states.
@@ -118,22 +111,18 @@ class LandingFilter {
  public:
   /// Takes the covariance of (d, v), whose mean is zero.
   explicit LandingFilter(const Eigen::Matrix4d& covariance) : covariance_(covariance) {}
-
   /// Returns the innovation that a look would bring.
   Innovation innovation(const LandingLook& look) const;
 
   void take(const LandingLook& look);
-
   /// Returns where the last look's stop landed. Valid after the first look.
   const PlaneEstimate& landing() const { return landing_; }
   /// Returns d.
   PlaneEstimate persistent_error() const;
   /// Returns the place to command so that the next stop is expected to land at the target.
   Eigen::Vector2d next_command(const Eigen::Vector2d& p_d) const { return p_d - mean_.head<2>(); }
-
-  /// Returns by how much the places that further looks will predict scatter about the target: the
-  /// part of the landings' deviation that looking can reveal. `next` is the next look, whose `p` is
-  /// not known yet.
+  /// Returns by how much the places that further looks will predict scatter about the target: what
+  /// looking can reveal of the landings' deviation. The `p` of the `next` look is unknown.
   Spread spread(const LandingLook& next) const;
 
  private:
@@ -148,9 +137,8 @@ class LandingFilter {
   bool has_looked_{false};
 };
 
-/// Returns the mean distance from the target at the end when stopping at the best time, with so
-/// many corrections left (at least 1). Each leads to a new place, and the old one does not come
-/// back.
+/// Returns the mean distance from the target when stopping at the best time, with so many
+/// corrections left (at least 1). Each leads to a new place; the old one does not come back.
 double nearest_expected_m(const Spread& spread, int corrections);
 
 /// A chance that counts as none: one in a million.
@@ -163,16 +151,13 @@ class LandingEstimator {
  public:
   /// Takes a model that must outlive it, and by how much play may move a stop, metres.
   explicit LandingEstimator(LandingModel& model, double play_m = 0.0);
-
   /// Begins the way to another target. What is known of the scatter stays.
   void begin() { looks_ = arrivals_ = 0; }
   /// The arm has left the target and returns: whatever made it stray is over.
   void begin_again();
-
   /// Takes an undoubted look. `p_c` is the place that was commanded for it, by the arm as it was
   /// found. Throws std::invalid_argument when the model's scatter is not positive.
   LandingEstimate take(const ServoStep& step, const Eigen::Vector2d& p_c);
-
   /// Returns the distance, metres, by which two stops differ from their commands by scatter with a
   /// chance of kNoChance; 0 before the first look.
   double longest_jump_m() const;

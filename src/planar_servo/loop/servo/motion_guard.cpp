@@ -98,19 +98,6 @@ std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
                off_m <= kFarthestStray_m};
 }
 
-}  // namespace
-
-std::vector<Joints> approach_stops(const Transmission& transmission, const ServoSettings& settings,
-                                   const Joints& theta) {
-  if (settings.approach == Approach::kDirect) return {theta};
-  const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
-  return {transmission.joints_from_motors(motors -
-                                          Eigen::Vector3d::Constant(settings.approach_margin_rad)),
-          theta};
-}
-
-namespace {
-
 /// Says why the arm must not go straight from `from` through these stops.
 std::optional<std::string> refusal_through(const JointPlanner& planner,
                                            const std::vector<Joints>& stops, Joints from) {
@@ -152,6 +139,15 @@ std::vector<Joints> stops_round(const JointPlanner& planner, const ServoSettings
 
 }  // namespace
 
+std::vector<Joints> approach_stops(const Transmission& transmission, const ServoSettings& settings,
+                                   const Joints& theta) {
+  if (settings.approach == Approach::kDirect) return {theta};
+  const Eigen::Vector3d motors = transmission.motors_from_joints(theta);
+  return {transmission.joints_from_motors(motors -
+                                          Eigen::Vector3d::Constant(settings.approach_margin_rad)),
+          theta};
+}
+
 ApproachWay approach_way(const JointPlanner& planner, const ServoSettings& settings,
                          const Joints& from, const Joints& theta) {
   if (auto refusal = planner.refusal(theta)) return {{}, refusal};
@@ -175,7 +171,11 @@ double play_allowance_m(const PlanarArm& arm, const ServoSettings& settings) {
 std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
                                const ServoSettings& settings, const Joints& theta,
                                const PlanarRobot::Guard& guard) {
-  const ApproachWay way = approach_way(planner, settings, robot.commanded_joints(), theta);
+  return arrive_by(approach_way(planner, settings, robot.commanded_joints(), theta), robot, guard);
+}
+
+std::optional<Obstacle> arrive_by(const ApproachWay& way, PlanarRobot& robot,
+                                  const PlanarRobot::Guard& guard) {
   if (way.refusal) return Obstacle{true, *way.refusal};
   if (way.barred)
     spdlog::info(fmt::format("going round by {} stops: {}", way.stops.size() - 1, *way.barred));

@@ -29,9 +29,8 @@ struct ApproachWay {
   std::optional<std::string> barred{};
 };
 
-/// Returns the way by which an arm that rests at `from` arrives at `theta`: straight, or round the
-/// barriers, where motor 1 may end on another turn. Refused are places that the planner forbids and
-/// those to which no way leads.
+/// Returns the way from rest at `from` to `theta`: straight, or round the barriers, where motor 1
+/// may end on another turn. Refused is what the planner forbids and where no way leads.
 ApproachWay approach_way(const JointPlanner& planner, const ServoSettings& settings,
                          const Joints& from, const Joints& theta);
 
@@ -59,6 +58,10 @@ std::optional<Obstacle> arrive(PlanarRobot& robot, const JointPlanner& planner,
                                const ServoSettings& settings, const Joints& theta,
                                const PlanarRobot::Guard& guard);
 
+/// Does so by a way from where the arm rests.
+std::optional<Obstacle> arrive_by(const ApproachWay& way, PlanarRobot& robot,
+                                  const PlanarRobot::Guard& guard);
+
 /// The longest wait for a camera that fails.
 constexpr double kCameraPatience_s = 60.0;
 
@@ -69,8 +72,7 @@ bool wait_for_camera(const FrameSource& camera, const PlanarRobot& robot, Clock&
                      const std::string& id, const std::string& reason, double deadline_s);
 
 /// Holds what a calibrated cell promises about every look at its tool. The defaults of place,
-/// direction and separation hold for a cell without a health record; with_health() replaces them by
-/// what its calibration saw.
+/// direction and separation hold without a health record; see with_health().
 struct GuardLimits {
   /// The tool is seen no farther than this from where it was commanded, and turned by no more.
   double distance_m{10e-3};

@@ -15,8 +15,7 @@
 namespace planar {
 namespace {
 
-/// sin(3 deg). Nearer to a straight arm, a step takes 20 times as much turning as where the arm
-/// moves best.
+/// sin(3 deg). Nearer to a straight arm, a step takes 20 times as much turning as at best.
 constexpr double kMinManipulability = 0.05;
 
 constexpr Named<LawStatus> kLawStatuses[] = {
@@ -37,9 +36,8 @@ vpGenericFeature tip_feature(const Eigen::Vector2d& p) {
 
 vpMatrix twist_jacobian(const Eigen::Matrix2d& J) {
   vpMatrix twist(6, 2);
-  for (int row = 0; row < 2; ++row) {
+  for (int row = 0; row < 2; ++row)
     for (int column = 0; column < 2; ++column) twist[row][column] = J(row, column);
-  }
   return twist;
 }
 
@@ -96,8 +94,7 @@ LawStep inverse_law(const PlanarArm& arm, const LawInput& input, double gain) {
   const auto solve = [&](const Eigen::Vector2d& p) {
     return arm.inverse({p, 0.0}, arm.elbow(input.theta), input.theta);
   };
-  const InverseResult measured = solve(input.p);
-  const InverseResult desired = solve(input.p_d);
+  const InverseResult measured = solve(input.p), desired = solve(input.p_d);
   if (measured.status != ReachStatus::kOk || desired.status != ReachStatus::kOk)
     return {LawStatus::kUnreachable, {}};
   return {LawStatus::kOk, gain * (desired.theta - measured.theta).head<2>()};
@@ -217,15 +214,11 @@ std::optional<ServoStatus> PositionServo::verdict(const std::vector<ServoStep>& 
   const bool diverged =
       last.estimate ? last.estimate->is_contradicted : diverges(errors_m(steps), last.stop_below_m);
   if (diverged) return ServoStatus::kDiverged;
-  if (content(last))
+  if (last.miss_m() < last.stop_below_m && points_right(last))
     return last.measurement.inside_map ? ServoStatus::kReached : ServoStatus::kOutsideMap;
   if (last.iteration == settings_.max_iterations || hopeless(last))
     return ServoStatus::kNotConverged;
   return std::nullopt;
-}
-
-bool PositionServo::content(const ServoStep& step) const {
-  return step.miss_m() < step.stop_below_m && points_right(step);
 }
 
 bool PositionServo::points_right(const ServoStep& step) const {
@@ -276,7 +269,6 @@ std::optional<Obstacle> PositionServo::command(const Joints& theta) {
   return std::nullopt;
 }
 
-/// Returns the longest way that one pulse of motor 1 or 2 moves the end point, metres.
 double PositionServo::pulse_size_m() const {
   const Transmission& transmission = planner_.transmission();
   const Eigen::Matrix2d J = planner_.arm().jacobian(robot_.commanded_joints());

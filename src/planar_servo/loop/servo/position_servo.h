@@ -33,12 +33,10 @@ struct LawStep {
   Eigen::Vector2d delta_theta{0.0, 0.0};  ///< valid only when status is kOk
 };
 
-/// Holds what a law starts from: the commanded joints (radians), and the measured and the desired
-/// end point in the base frame (metres).
+/// What a law starts from: commanded joints (radians), measured and desired end point (base frame).
 struct LawInput {
   Joints theta{0.0, 0.0, 0.0};
-  Eigen::Vector2d p{0.0, 0.0};
-  Eigen::Vector2d p_d{0.0, 0.0};
+  Eigen::Vector2d p{0.0, 0.0}, p_d{0.0, 0.0};
 };
 
 /// Computes the step J^+ (p_d - p) times a gain lambda, by ViSP's vpServo. lambda is `gain` at the
@@ -73,7 +71,6 @@ class PositionServo {
   PositionServo(const ServoSettings& settings, const GuardLimits& limits,
                 const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor, Clock& clock,
                 LandingModel* landings = nullptr);
-
   /// Moves to a target and reports every step to `observer`. Throws std::invalid_argument for a
   /// target that is not finite and WorkError when a drive fails. Every other outcome is in the
   /// result.
@@ -89,7 +86,6 @@ class PositionServo {
   ServoStep measure(const TipPose& target, int iteration);
   /// Returns how the motion ended, or nothing while the loop should continue.
   std::optional<ServoStatus> verdict(const std::vector<ServoStep>& steps) const;
-  bool content(const ServoStep& step) const;
   bool points_right(const ServoStep& step) const;
   /// Returns whether another correction is not expected to end nearer to the target.
   bool hopeless(const ServoStep& step) const;
@@ -98,13 +94,13 @@ class PositionServo {
   /// Adds a step's look to the estimate. Says what all looks together make doubtful about the cell.
   std::optional<Doubt> estimate(ServoStep& step);
   JointPlan corrected_joints(const ServoStep& step) const;
-  /// Returns whether a stray of the arm may explain a doubt, which it cannot once the arm has come
-  /// again.
+  /// Returns whether a stray of the arm may explain a doubt; not once the arm has come again.
   bool may_have_strayed(const Doubt& found, const ServoStep& step) const;
   /// Moves the arm away from a target that it is to approach again, where that is allowed.
   std::optional<Obstacle> withdraw();
   /// Moves and settles. Returns what forbids or stops the motion, if anything does.
   std::optional<Obstacle> command(const Joints& theta);
+  /// Returns the longest way that one pulse of motor 1 or 2 moves the end point, metres.
   double pulse_size_m() const;
 
   ServoSettings settings_;

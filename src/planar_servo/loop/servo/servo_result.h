@@ -42,8 +42,7 @@ constexpr Named<ServoStatus> kServoStatuses[] = {
 /// Returns the status's name.
 const char* name(ServoStatus status);
 
-/// Holds the estimate by command and all looks at a target so far. Base frame, metres; deviations
-/// are per axis.
+/// Holds the estimate by command and all looks at a target so far; base frame, metres, per axis.
 struct LandingEstimate {
   Eigen::Vector2d p{0.0, 0.0};           ///< where the end point is expected to rest
   double deviation_m{0.0};               ///< of p, by vision, field and arm together
@@ -55,8 +54,7 @@ struct LandingEstimate {
   bool seems_strayed{false};
 };
 
-/// Records one measurement at rest. Number 0 follows the first, open-loop move; each correction is
-/// followed by one more.
+/// Records one measurement at rest: number 0 after the open-loop move, then one per correction.
 struct ServoStep {
   int iteration{0};
   TipPose target;
@@ -96,8 +94,7 @@ struct ServoResult {
 };
 
 /// Returns why the servo stopped after its last step, in words; empty when the target was reached.
-/// The tool's direction is allowed to be off by `orientation_tolerance`, and `max_iterations`
-/// corrections were allowed.
+/// This turn of the tool and this many corrections were allowed.
 std::string reason_for(ServoStatus status, const ServoStep& last, double orientation_tolerance,
                        int max_iterations);
 

@@ -56,14 +56,10 @@ inline TipMeasurement failed_look(TipStatus status, const std::string& word, dou
 class TipSensor {
  public:
   virtual ~TipSensor() = default;
-
-  /// Measures the tool in `frames` frames and averages them. `expected` is the commanded pose,
-  /// which tells where to look and which lamp is which. A missing lamp is a status, not an
-  /// exception.
+  /// Measures the tool in so many frames and averages them. `expected` is the commanded pose, which
+  /// tells where to look and which lamp is which. A missing lamp is a status, no exception.
   virtual TipMeasurement measure(const TipPose& expected, int frames) = 0;
-
-  /// Returns in words what keeps the sensor from seeing now, if anything does. It is asked every
-  /// few milliseconds while the arm moves.
+  /// Returns what keeps it from seeing now; asked every few milliseconds while the arm moves.
   virtual std::optional<std::string> fault() const = 0;
 };
 

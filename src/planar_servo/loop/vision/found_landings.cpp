@@ -8,7 +8,6 @@
 #include <cmath>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
@@ -102,7 +101,7 @@ std::optional<Refusal> FollowingError::doubt() const {
                   "arm, as it was found, lands, by ({:.3f}, {:.3f}) mm on average, of which "
                   "{:.3f} mm came meanwhile",
                   looks_.back().t_s - looks_.front().t_s, looks_.size(), mm(rms_m), mm(mean_m.x()),
-                  mm(mean_m.y()), fitted.segment<2>(2).norm() / kMillimetre),
+                  mm(mean_m.y()), mm(fitted.segment<2>(2).norm())),
       "neither scatter nor warmth explains that: does the camera move, or does a drive lose steps? "
       "planar-check-cell says what has moved"};
 }
@@ -176,7 +175,7 @@ void FoundLandings::learn(const SeenLanding& seen) {
                   "went away and came back, and {}: is something on the camera's window or in its "
                   "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
                   "has moved",
-                  (seen.look.tip.p - landed.p).norm() / kMillimetre,
+                  mm((seen.look.tip.p - landed.p).norm()),
                   agrees           ? "the lamps stand to each other as at other targets"
                   : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
                                    : "too few other targets were seen to compare the lamps with")},
@@ -201,8 +200,7 @@ LandingPrior LearningLandings::at(const Joints& theta_c, const TipMeasurement& l
 
 void LearningLandings::learn(const SeenLanding& seen) {
   FoundLandings::learn(seen);
-  // Later looks at a target share errors that no term describes, so they are not independent of the
-  // first.
+  // Later looks share errors that no term describes, so they are not independent of the first.
   if (!seen.is_first) return;
   if (seen.has_strayed) return unlearn(seen);
   if (learner_.take(arm_look(seen), seen.look.t_s) != Lesson::kBeyondCaps || has_warned_) return;

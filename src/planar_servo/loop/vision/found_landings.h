@@ -24,10 +24,8 @@ class FollowingError {
   explicit FollowingError(FoundArm found);
 
   void take(const ArmLook& look, double t_s);
-
   /// Returns whether the arm as it was found, a little warmer or colder, is likely to be seen so.
   bool explains(const ArmLook& look) const;
-
   /// Returns what shows that arm or camera has moved; empty while what is known of them explains
   /// the looks, or while they differ by less than kTolerated_m.
   std::optional<Refusal> doubt() const;
@@ -57,10 +55,8 @@ class FollowingError {
 /// the distance between the lamps, and how far the tool is turned from its command.
 class LampAgreement {
  public:
-  /// Takes a first look that is not in doubt: the lamps' distance, compensated, metres, and by how
-  /// much the tool is turned from its command, radians.
+  /// Takes a first look not in doubt: the lamps' compensated distance, metres, the turn, radians.
   void take(double separation_m, double turn);
-
   /// Returns whether there are enough looks to compare others with.
   bool knows() const { return turns_.size() >= kFewest; }
   /// Returns whether a look is known to be like the recent ones.
@@ -109,8 +105,7 @@ class FoundLandings : public LandingModel {
   std::optional<Doubt> of_view_;  ///< by the last look
 };
 
-/// The landings of such an arm that is learned further, from the first look at every target. The
-/// field stays as found.
+/// The landings of such an arm, learned further from the first look at every target.
 class LearningLandings final : public FoundLandings {
  public:
   /// Takes what FoundLandings takes, and what has been learned of the arm so far.

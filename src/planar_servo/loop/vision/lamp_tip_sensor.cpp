@@ -8,13 +8,11 @@
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
 namespace {
 
 constexpr char kOutsideView[] = "outside_view";
-constexpr char kReferenceLamps[] = "reference_lamps";
 
 /// Logs one line for every look, for -v.
 void log(const TipMeasurement& seen, const TipPose& expected) {
@@ -121,7 +119,7 @@ std::optional<TipMeasurement> LampTipSensor::watch_camera(double t_s) {
   watch_.look(whole.frame);
   if (!watch_.objection()) return std::nullopt;
   spdlog::warn(watch_.objection()->text());
-  return failed_look(TipStatus::kNoLamps, kReferenceLamps, whole.frame.t_s);
+  return failed_look(TipStatus::kNoLamps, "reference_lamps", whole.frame.t_s);
 }
 
 LampTipSensor::Look LampTipSensor::locate(const FrameResult& result,
@@ -137,10 +135,10 @@ LampTipSensor::Look LampTipSensor::locate(const FrameResult& result,
 LampTipSensor::Look LampTipSensor::look(const FrameResult& result,
                                         const PairExpectation& expectation) {
   Look seen = locate(result, expectation);
-  const cv::Size sensor = camera_.sensor_size_px();
-  if (seen.frame != FrameStatus::kOk || seen.found() || last_frame_.region_px.size() == sensor)
+  const cv::Size sensor_px = camera_.sensor_size_px();
+  if (seen.frame != FrameStatus::kOk || seen.found() || last_frame_.region_px.size() == sensor_px)
     return seen;
-  camera_.set_region({0, 0, sensor.width, sensor.height});
+  camera_.set_region({{}, sensor_px});
   seen = locate(camera_.next_frame(), expectation);
   if (seen.found()) aim_at({seen.pair.lamps[0].uv_px, seen.pair.lamps[1].uv_px});
   return seen;

@@ -16,36 +16,27 @@ namespace planar {
 /// to the sensor's size and centred on `center_px` where that keeps it on the sensor.
 cv::Rect follow_region(const cv::Size& sensor_px, int side_px, const Eigen::Vector2d& center_px);
 
-/// Measures the end point by its lamps with a camera. The region of the sensor follows the
-/// commanded pose. When the lamps are not in it, one full frame is searched. Where lamps are fixed
-/// to the base, a full frame every so often shows how the camera's image has moved; that motion is
-/// taken out.
+/// Measures the end point by its lamps with a camera, whose region follows the commanded pose. When
+/// they are not in it, one full frame is searched. Where lamps are fixed to the base, a full frame
+/// every so often shows how the image has moved; that motion is taken out.
 class LampTipSensor final : public TipSensor {
  public:
-  /// Takes the camera, which must outlive the sensor, and the side of the region that follows the
-  /// lamps.
+  /// Takes a camera that outlives the sensor, and the side of the region that follows the lamps.
   LampTipSensor(VisionCalibration vision, CenterMethod method, FrameSource& camera,
                 int follow_region_px);
-
-  /// Moves the camera's region to where the lamps should be with the end point at `expected`, so
-  /// that the first measurement needs no whole frame.
+  /// Moves the camera's region to `expected`, so that the first look needs no whole frame.
   void aim(const TipPose& expected);
 
   TipMeasurement measure(const TipPose& expected, int frames) override;
   std::optional<std::string> fault() const override { return camera_.fault(); }
-
   /// Searches the whole frame for two lamps, wherever the tool should be. Returns their places on
   /// the plane, uncompensated and in any order; empty unless two lamps are found.
   std::optional<std::array<Eigen::Vector2d, 2>> look_around();
-
   /// Returns the lamps' last appearance, found or not; 0 for what was not seen.
   const LampLooks& last_looks() const { return last_looks_; }
-
   /// Returns the frame that was looked at last. It has no image before the first look.
   const Frame& last_frame() const { return last_frame_; }
-
-  /// Returns where lamps 1 and 2 are with the end point at `tip`, or nothing where the camera does
-  /// not see them.
+  /// Returns where lamps 1 and 2 are with the end point at `tip`; empty where they are not seen.
   std::optional<LampPixels> lamps_at(const TipPose& tip) const;
 
  private:

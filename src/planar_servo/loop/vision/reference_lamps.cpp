@@ -28,8 +28,7 @@ Design design_at(const Eigen::Vector2d& r) {
   return J;
 }
 
-/// Returns dp / dq for the unknowns q = (t_u, t_v, scale, turn) of a similarity, M = scale I +
-/// turn [[0, -1], [1, 0]].
+/// Returns dp / dq for q = (t_u, t_v, scale, turn), M = scale I + turn [[0, -1], [1, 0]].
 Eigen::MatrixXd similarity_basis() {
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(6, 4);
   basis(0, 0) = basis(1, 1) = 1.0;
@@ -73,8 +72,7 @@ std::optional<MotionFit> fit_motion(const std::vector<LampMove>& moves, Eigen::M
   return result;
 }
 
-/// Half the side of the window that is searched for a lamp: two diameters of a lamp of 30 px. The
-/// window follows the camera from look to look.
+/// Half the side of the window searched for a lamp, round its last place: two diameters of 30 px.
 constexpr int kHalfWindow_px = 64;
 /// With fewer, a knocked lamp cannot be told from a camera that moved.
 constexpr std::size_t kLeastLamps = 3;
@@ -100,8 +98,7 @@ double farthest_px(const MotionFit& fit) {
   return farthest;
 }
 
-/// Returns the index of the move without which the others hold; of several such moves, the one that
-/// the others contradict most.
+/// Returns the move without which the others hold; of several the one they contradict most.
 std::optional<std::size_t> odd_one(const std::vector<LampMove>& moves) {
   std::optional<std::size_t> odd;
   double least = 0.0;

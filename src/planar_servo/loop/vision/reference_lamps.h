@@ -23,14 +23,12 @@ class ImageMotion {
   ImageMotion() = default;
   ImageMotion(const Parameters& parameters, const Covariance& covariance)
       : p_(parameters), covariance_(covariance) {}
-
   /// Returns where a point seen here then is seen now.
   Eigen::Vector2d now(const Eigen::Vector2d& then_px) const;
   /// Returns where a point seen here now was seen then.
   Eigen::Vector2d then(const Eigen::Vector2d& now_px) const;
   /// Returns the covariance of then() at this place due to the motion's uncertainty.
   Eigen::Matrix2d covariance_px2(const Eigen::Vector2d& then_px) const;
-
   /// Returns the motion `part` of the way from this one to another, whose errors are independent.
   ImageMotion towards(const ImageMotion& other, double part) const;
 
@@ -62,16 +60,14 @@ struct MotionFit {
 /// covariances. The equations are linear. Empty when the lamps' places do not determine it.
 std::optional<MotionFit> fit_similarity(const std::vector<LampMove>& moves);
 
-/// Fits an affine map to three moves or more, which takes out tilt as well. Empty when the lamps'
-/// places do not determine it.
+/// Fits an affine map, which takes out tilt as well, to three moves or more; empty as above.
 std::optional<MotionFit> fit_affine(const std::vector<LampMove>& moves);
 
 /// Returns the simplest motion that holds: a similarity or, from four lamps on, an affine map. When
 /// neither does, it returns the similarity. Empty when the lamps do not determine one.
 std::optional<MotionFit> fit_image_motion(const std::vector<LampMove>& moves);
 
-/// One fit in 3.5 million exceeds this many standard deviations by chance: with a look every 30 s,
-/// one run of eight hours in 3600.
+/// One fit in 3.5 million exceeds this by chance: one run of eight hours in 3600.
 constexpr double kMotionSigmas = 5.0;
 
 /// Returns the value that chi squared exceeds by chance as rarely as a normal number exceeds
@@ -91,26 +87,20 @@ struct ReferenceLamp {
 
 std::vector<Eigen::Vector2d> places_px(const std::vector<ReferenceLamp>& lamps);
 
-/// Measures the light nearest to `place_px` in a window around it. Empty when there is none that
-/// can be measured.
+/// Measures the light nearest to `place_px` in a window round it; empty if none can be measured.
 std::optional<LampCenter> find_fixed_light(const Frame& frame, const Eigen::Vector2d& place_px,
                                            LampDetector& detector, CenterMethod method);
 
-/// Watches the lamps that are fixed to the base, which show how the image has moved since the
-/// calibration.
+/// Watches the lamps fixed to the base, which show how the image moved since the calibration.
 class ReferenceWatch {
  public:
   /// Without lamps nothing is watched: no look is ever due, and the image does not move.
   ReferenceWatch(std::vector<ReferenceLamp> lamps, CenterMethod method)
       : lamps_(std::move(lamps)), method_(method) {}
-
   /// Returns whether a whole frame is due at this time, before anything is concluded.
   bool is_due(double t_s) const;
-
-  /// Looks at a whole frame. One lamp that is not where the others predict it is left out, and
-  /// named in the log.
+  /// Looks at a whole frame. One lamp that the others contradict is left out, and logged.
   void look(const Frame& frame);
-
   /// Returns a whole frame's image, blackened where the fixed lamps should be.
   cv::Mat without_lamps(const cv::Mat& image) const;
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_servo/geometry/tool/vision_tip.h"
-
 namespace planar {
 namespace {
 
@@ -43,14 +41,13 @@ constexpr double kBeyondLongest = 1.5;
 
 double longest_correction(const VisionCalibration& vision, double radius_m, double phi) {
   double longest = 0.0;
-  for (int i = -kHalfGrid; i <= kHalfGrid; ++i) {
+  for (int i = -kHalfGrid; i <= kHalfGrid; ++i)
     for (int j = -kHalfGrid; j <= kHalfGrid; ++j) {
       const Eigen::Vector2d p = radius_m / kHalfGrid * Eigen::Vector2d(i, j);
       if (p.norm() > radius_m) continue;
       const ErrorPrediction error = predict_error_at(vision, {p, phi});
       if (error.inside) longest = std::max(longest, error.error.norm());
     }
-  }
   return longest;
 }
 

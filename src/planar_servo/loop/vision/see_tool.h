@@ -56,13 +56,11 @@ struct ToolPlace {
   TipPose tip() const { return {seen.tip.p - error.error, seen.tip.phi - error_phi}; }
 };
 
-/// Returns the expectation of lamps 1 and 2 at these pixels. Their distance may differ from the
-/// predicted one by `share` of it.
+/// Returns the expectation of lamps 1 and 2 at these pixels, their distance within this share.
 PairExpectation expect_lamps(const LampLayout& layout, const LampPixels& predicted_px,
                              double share);
 
-/// Predicts where lamps 1 and 2 are, and how far apart, when the end point is at `tip` (base
-/// frame). Empty where the camera does not see them.
+/// Predicts lamps 1 and 2 with the end point at `tip` (base frame); empty where they are not seen.
 std::optional<PairExpectation> expect_tool(const VisionCalibration& vision, const TipPose& tip);
 
 /// Computes where the tool is from the centres of its lamps' images: it subtracts the eccentricity
@@ -74,8 +72,7 @@ std::optional<ToolPlace> see_tool(const VisionCalibration& vision, Observation s
 /// Returns where the lamps are seen on the plane when the end point is seen at `seen`.
 std::array<Eigen::Vector2d, 2> lamps_at(const VisionCalibration& vision, const TipPose& seen);
 
-/// Predicts the error of vision where it sees the end point at `seen`, uncompensated. Without a map
-/// it is zero and counts as inside.
+/// Predicts the vision error at an end point as seen, uncompensated; zero and inside without map.
 ErrorPrediction predict_error_at(const VisionCalibration& vision, const TipPose& seen);
 
 /// Locates the lamps in a frame as LampTracker does. The status is kWrongDistance for a pair whose
@@ -87,8 +84,7 @@ LampPair find_lamps(const VisionCalibration& vision, LampTracker& tracker, const
 /// measured. Which lamp is which is known only when the pair's status is kOk.
 std::optional<Observation> observation_of(const LampPair& pair, double t_s);
 
-/// Returns the lamps as they would have been seen at calibration, whose uncertainty now includes
-/// that of the motion.
+/// Returns the lamps as seen at calibration; their uncertainty includes that of the motion.
 Observation at_calibration(Observation seen, const ImageMotion& motion);
 
 /// The scene in which images were taken, where known.
@@ -106,7 +102,6 @@ class LampPrediction {
  public:
   /// Takes the scene, which must outlive the prediction, and a coarse view if there is one.
   LampPrediction(const LampScene& scene, std::optional<CoarseView> view);
-
   /// Predicts the lamps for an end point commanded to `commanded` (base frame). Without a commanded
   /// pose, or where the view does not reach, only their size is predicted.
   PairExpectation of(const std::optional<TipPose>& commanded) const;
@@ -124,8 +119,7 @@ CellModel model_of_cell(const JointPlanner& planner, const Joints& home,
                         const VisionCalibration& vision);
 
 /// Returns the limits of a cell whose vision is calibrated. With an error map, a correction may be
-/// up to 1.5 times as long as the longest that the map makes within its valid region and the
-/// workspace, for a tool of direction `phi`.
+/// 1.5 times the longest within its valid region and the workspace, for a tool of direction `phi`.
 GuardLimits guard_limits(const VisionCalibration& vision, const Workspace& workspace, double phi);
 
 }  // namespace planar

@@ -34,17 +34,10 @@ JudgedTip not_judged(const std::string& fault) {
 
 /// Returns why an answer without a reading does not judge.
 std::string fault_of(const TrackerAnswer& answer) {
-  switch (answer.status) {
-    case TrackerStatus::kElsewhere:
-      return "its reading stands in a table of the tracker's own; three numbers are judged";
-    case TrackerStatus::kSkipped:
-    case TrackerStatus::kRepeat:
-      return "somebody left its reading out";
-    case TrackerStatus::kFailed:
-    case TrackerStatus::kOk:
-      break;
-  }
-  return answer.fault;
+  if (answer.status == TrackerStatus::kFailed) return answer.fault;
+  if (answer.status == TrackerStatus::kElsewhere)
+    return "its reading stands in a table of the tracker's own; three numbers are judged";
+  return "somebody left its reading out";
 }
 
 }  // namespace

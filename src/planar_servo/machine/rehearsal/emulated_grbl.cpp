@@ -11,11 +11,8 @@ namespace planar {
 namespace {
 
 constexpr double kStep_s = 2e-4;
-constexpr double kPoll_s = 1e-3;
 constexpr double kStraight = 0.999;  ///< the cosine of the sharpest corner that is passed at speed
 constexpr double kArrived_mm = 1e-9;
-constexpr const char* kBanner = "\r\nGrbl 1.1h ['$' for help]\r\n";
-constexpr const char* kFluidncBanner = "\r\nGrbl 3.7 [FluidNC v3.7.12 (wifi) '$' for help]\r\n";
 
 const EmulatedGrbl::Settings kFactory{
     {0, 10},   {1, 25},    {2, 0},     {3, 0},     {4, 0},     {5, 0},     {6, 0},
@@ -39,23 +36,14 @@ EmulatedGrbl::EmulatedGrbl(std::filesystem::path port, const Settings& settings,
       on_position_(std::move(on_position)),
       now_s_(clock_.now_s()) {
   for (const auto& [number, value] : settings) settings_[number] = value;
-  thread_ = std::thread([this] { serve(); });
-}
-
-EmulatedGrbl::~EmulatedGrbl() {
-  ending_ = true;
-  thread_.join();
+  constexpr double kPeriod_s = 1e-3;
+  server_.emplace(kPeriod_s, [this] { serve(); });
 }
 
 void EmulatedGrbl::serve() {
-  while (!ending_) {
-    {
-      const Lock lock(mutex_);
-      advance();
-      for (const char byte : port_.read(0.0)) hear(byte);
-    }
-    clock_.sleep_for_s(kPoll_s);
-  }
+  const Lock lock(mutex_);
+  advance();
+  for (const char byte : port_.read(0.0)) hear(byte);
 }
 
 void EmulatedGrbl::write(const std::string& text) {
@@ -104,9 +92,7 @@ void EmulatedGrbl::obey_line(const std::string& line) {
 }
 
 std::string EmulatedGrbl::answer_to(const std::string& line) {
-  if (is_fluidnc_ && line.rfind("$/", 0) == 0) return tell_path(line.substr(1));
-  if (is_fluidnc_ && (line == "$10" || line == "$13" || line == "$$"))
-    return line == "$$" ? "ok" : fmt::format("{}={:g}\r\nok", line, setting(std::atoi(&line[1])));
+  if (const auto answer = other_answer_ ? other_answer_(line) : std::nullopt) return *answer;
   if (line == "$$") return list_settings() + "ok";
   if (line == "$I") return "[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\nok";
   if (line == "$X") {
@@ -154,25 +140,6 @@ std::string EmulatedGrbl::list_settings() const {
     text += number < 100 ? fmt::format("${}={:g}\r\n", number, value)
                          : fmt::format("${}={:.3f}\r\n", number, value);
   return text;
-}
-
-std::string EmulatedGrbl::tell_path(const std::string& path) const {
-  const auto answer = [&](const std::string& value) {
-    return fmt::format("${}={}\r\nok", path, value);
-  };
-  if (path == "/stepping/idle_ms") return answer(fmt::format("{:g}", setting(1)));
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string begin = fmt::format("/axes/{}/", "xyz"[axis]);
-    if (path == begin + "steps_per_mm") return answer(fmt::format("{:.3f}", setting(100 + axis)));
-    if (path == begin + "max_rate_mm_per_min")
-      return answer(fmt::format("{:.3f}", setting(110 + axis)));
-    if (path == begin + "acceleration_mm_per_sec2")
-      return answer(fmt::format("{:.3f}", setting(120 + axis)));
-    if (path == begin + "homing/cycle") return answer(setting(22) > 0.0 ? "1" : "0");
-    if (path == begin + "homing/positive_direction")
-      return answer((static_cast<int>(setting(23)) >> axis & 1) != 0 ? "false" : "true");
-  }
-  return "error:162";  // no such configuration
 }
 
 std::string EmulatedGrbl::report() const {
@@ -251,7 +218,7 @@ void EmulatedGrbl::step_jog(double dt_s) {
 void EmulatedGrbl::step_home(double dt_s) {
   if (!switches_mm_) {
     alarm(9);
-    return write(std::string("ok\r\n") + kBanner);
+    return write("ok\r\n" + banner_);
   }
   const Eigen::Vector3d left = *switches_mm_ - (counted_mm_ + offset_mm_);
   const double ahead = setting(25) / 60.0 * dt_s;
@@ -289,7 +256,7 @@ void EmulatedGrbl::reset() {
   if (state_ == State::kJog) alarm(3);
   if (state_ == State::kHold) state_ = State::kIdle;
   line_.clear();
-  write(is_fluidnc_ ? kFluidncBanner : kBanner);
+  write(banner_);
 }
 
 void EmulatedGrbl::begin_anew() {
@@ -299,7 +266,7 @@ void EmulatedGrbl::begin_anew() {
   counted_mm_.setZero();
   state_ = setting(22) != 0.0 ? State::kAlarm : State::kIdle;
   line_.clear();
-  write(is_fluidnc_ ? kFluidncBanner : kBanner);
+  write(banner_);
 }
 
 void EmulatedGrbl::place_switches(const std::optional<Eigen::Vector3d>& at_mm) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -9,10 +8,10 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "planar_servo/base/core/clock.h"
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/machine/rehearsal/pty_port.h"
 
 namespace planar {
@@ -32,9 +31,6 @@ class EmulatedGrbl {
   /// `port` is the name of the serial port, as PtyPort has it. Settings that are not given are
   /// Grbl's own.
   EmulatedGrbl(std::filesystem::path port, const Settings& settings, OnPosition on_position = {});
-  ~EmulatedGrbl();
-  EmulatedGrbl(const EmulatedGrbl&) = delete;
-  EmulatedGrbl& operator=(const EmulatedGrbl&) = delete;
 
   std::string port() const { return port_.name(); }
   /// Places the switch of each axis, its shaft's millimetres. Without them a search fails.
@@ -59,8 +55,10 @@ class EmulatedGrbl {
   std::string last_jog_;       ///< the last that it was sent, whether it obeyed or not
   std::string pins_;           ///< axes whose limit inputs are pressed
   bool silent_{false};         ///< it neither obeys nor answers
-  bool is_fluidnc_{false};     ///< it greets as FluidNC and keeps its settings by paths
   int answers_to_lose_{0};     ///< this many of the next answers to lines are not sent
+  std::string banner_{"\r\nGrbl 1.1h ['$' for help]\r\n"};
+  /// Answers lines first, as other firmware does; empty for those that Grbl answers alike.
+  std::function<std::optional<std::string>(const std::string& line)> other_answer_;
 
  private:
   enum class State { kIdle, kJog, kHold, kHome, kAlarm };
@@ -75,7 +73,6 @@ class EmulatedGrbl {
   std::string jog(const std::string& words);
   std::string change(const std::string& words);
   std::string list_settings() const;
-  std::string tell_path(const std::string& path) const;
   std::string report() const;
   void write(const std::string& text);
   void step(double dt_s);
@@ -100,8 +97,7 @@ class EmulatedGrbl {
   std::optional<Eigen::Vector3d> switches_mm_;
   double speed_{0.0};  ///< mm/s along the way
   double now_s_;
-  std::atomic<bool> ending_{false};
-  std::thread thread_;
+  std::optional<Repeater> server_;
 };
 
 }  // namespace planar

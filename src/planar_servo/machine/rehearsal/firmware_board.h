@@ -86,7 +86,6 @@ class FirmwareBoard {
                 EmulatedGrbl::OnPosition on_position = {});
 
   std::string port() const { return port_.name(); }
-  /// Returns the firmware's banner, such as "Grbl 1.1h ['$' for help]".
   const std::string& banner() const { return firmware_.banner(); }
   /// Returns whether the motors rest, by the last report.
   bool rests() const { return rests_; }

@@ -64,36 +64,21 @@ void show_on(ArvFakeCamera* camera, const Exposure& exposure, const cv::Size& se
   arv_fake_camera_set_fill_pattern(camera, fill, const_cast<Exposure*>(&exposure));
 }
 
-struct GigeCamera::Impl {
-  explicit Impl(Exposure taken) : exposure(std::move(taken)) {}
-  ~Impl() {
-    if (server != nullptr) g_object_unref(server);
-  }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-
-  Exposure exposure;
-  ArvGvFakeCamera* server{nullptr};
-};
-
 GigeCamera::GigeCamera(const std::string& address, const std::string& serial,
                        const cv::Size& sensor_px, double frame_rate_hz, Exposure exposure)
-    : impl_(std::make_unique<Impl>(std::move(exposure))) {
+    : exposure_(std::move(exposure)), server_(nullptr, g_object_unref) {
   const bool can_run = is_free(address);
-  if (can_run) impl_->server = arv_gv_fake_camera_new(address.c_str(), serial.c_str());
-  if (!can_run || !arv_gv_fake_camera_is_running(impl_->server))
+  if (can_run) server_.reset(arv_gv_fake_camera_new(address.c_str(), serial.c_str()));
+  if (!can_run || !arv_gv_fake_camera_is_running(server_.get()))
     throw WorkError(fmt::format(
         "{0}: no GigE camera can be served at this address; no interface of this machine "
         "has it (sudo ip address add {0}/8 dev lo), or another camera has its port {1}",
         address, kControlPort));
-  show_on(arv_gv_fake_camera_get_fake_camera(impl_->server), impl_->exposure, sensor_px,
-          frame_rate_hz);
+  show_on(arv_gv_fake_camera_get_fake_camera(server_.get()), exposure_, sensor_px, frame_rate_hz);
 }
 
-GigeCamera::~GigeCamera() = default;
-
 void GigeCamera::lose_packets(double share) {
-  g_object_set(impl_->server, "gvsp-lost-ratio", share, nullptr);
+  g_object_set(server_.get(), "gvsp-lost-ratio", share, nullptr);
 }
 
 }  // namespace planar

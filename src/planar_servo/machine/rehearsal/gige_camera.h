@@ -6,8 +6,9 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-/// Aravis' fake camera, as <arv.h> declares it.
+// Aravis' fake camera and its server, as <arv.h> declares them.
 using ArvFakeCamera = struct _ArvFakeCamera;
+using ArvGvFakeCamera = struct _ArvGvFakeCamera;
 
 namespace planar {
 
@@ -25,21 +26,21 @@ void show_on(ArvFakeCamera* camera, const Exposure& exposure, const cv::Size& se
 
 /// Serves a GigE Vision camera on one address of this machine, with the features of Aravis' fake
 /// camera: region, exposure, gain, frame rate, software trigger, packet size. It sends only answers
-/// and the stream that a client asked for.
+/// and the stream that a client asked for. It ends without notice, like a camera that is unplugged.
 class GigeCamera {
  public:
   /// Throws WorkError when the address is not this machine's or its port is taken.
   GigeCamera(const std::string& address, const std::string& serial, const cv::Size& sensor_px,
              double frame_rate_hz, Exposure exposure);
-  /// Ends without notice, like a camera that is unplugged.
-  ~GigeCamera();
+  GigeCamera(const GigeCamera&) = delete;
+  GigeCamera& operator=(const GigeCamera&) = delete;
 
   /// Drops this share of the stream's packets, to test what receives it.
   void lose_packets(double share);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Exposure exposure_;
+  std::unique_ptr<ArvGvFakeCamera, void (*)(void*)> server_;
 };
 
 }  // namespace planar

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <optional>
 #include <sstream>
 
 #include "planar_servo/base/core/text.h"
@@ -54,16 +53,13 @@ std::string handle_board(const Words& words, BoardPresenter& board) {
     return "the board is removed";
   }
   const auto view = view_of(words);
-  if (!view) return "";
-  if (words[1] == "hold") {
+  if (!view || (words[1] != "hold" && words[1] != "lay")) return "";
+  const bool holds = words[1] == "hold";
+  if (holds)
     board.hold_board(*view);
-    return fmt::format("the board is held, view {}", *view);
-  }
-  if (words[1] == "lay") {
+  else
     board.lay_board(*view);
-    return fmt::format("the board is laid, view {}", *view);
-  }
-  return "";
+  return fmt::format("the board is {}, view {}", holds ? "held" : "laid", *view);
 }
 
 /// Returns what was done with the work; empty when it was not understood.

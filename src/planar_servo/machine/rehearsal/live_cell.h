@@ -100,13 +100,11 @@ struct CellHands {
   std::function<void(bool on)> power_camera;
 };
 
-/// Does what a person at the cell would do by hand, as one line says: 'board hold N' holds the
-/// calibration board tilted into the camera's view and 'board lay N' lays it on the plane of
-/// motion, N from 0 (see BoardPresenter); 'board remove' takes it away; 'reflector tool' and
-/// 'reflector MONUMENT' place the tracker's reflector; 'work X_MM Y_MM TURN_DEG' lays the last work
-/// of the truth, such as a bar, with its origin there; 'camera off', 'camera on' and 'arm marks'
-/// are left to `hands`. Returns what was done in one line, or beginning with "not understood" what
-/// is allowed instead.
+/// Does what a person at the cell would do by hand, as one line of kCellCommands says: holds, lays
+/// or removes the calibration board (see BoardPresenter), places the tracker's reflector, or lays
+/// the last work of the truth, such as a bar, with its origin there. Camera and arm are left to
+/// `hands`. Returns what was done in one line, or beginning with "not understood" what is allowed
+/// instead.
 std::string obey_command(const std::string& line, LiveCell& cell, const CellHands& hands);
 
 /// Reads lines from an open file, without waiting longer than it is told to.

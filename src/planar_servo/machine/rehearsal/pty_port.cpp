@@ -14,14 +14,6 @@
 
 namespace planar {
 
-PtyPort::PtyPort(std::filesystem::path name) : name_(std::move(name)) {
-  plug_in();
-}
-
-PtyPort::~PtyPort() {
-  unplug();
-}
-
 void PtyPort::plug_in() {
   termios raw{};
   cfmakeraw(&raw);
@@ -33,8 +25,7 @@ void PtyPort::plug_in() {
   if (std::filesystem::is_symlink(name_)) std::filesystem::remove(name_, error);
   std::filesystem::create_symlink(device.data(), name_, error);
   if (!error) return;
-  close(inner_);
-  close(outer_);
+  for (int* end : {&inner_, &outer_}) close(std::exchange(*end, -1));
   throw InputError({"no link to the serial port can be made here: " + error.message(),
                     "name another place", name_});
 }
@@ -43,9 +34,7 @@ void PtyPort::unplug() {
   if (inner_ < 0) return;
   std::error_code ignored;
   std::filesystem::remove(name_, ignored);
-  close(inner_);
-  close(outer_);
-  inner_ = outer_ = -1;
+  for (int* end : {&inner_, &outer_}) close(std::exchange(*end, -1));
 }
 
 std::string PtyPort::read(double timeout_s) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace planar {
 
@@ -12,8 +13,8 @@ class PtyPort {
  public:
   /// `name` is where to put the link to the port; an earlier link is replaced. Throws InputError
   /// when that is impossible or a file is there.
-  explicit PtyPort(std::filesystem::path name);
-  ~PtyPort();
+  explicit PtyPort(std::filesystem::path name) : name_(std::move(name)) { plug_in(); }
+  ~PtyPort() { unplug(); }
   PtyPort(const PtyPort&) = delete;
   PtyPort& operator=(const PtyPort&) = delete;
 

@@ -17,10 +17,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/rehearsal/gige_camera.h"
-#include "planar_servo/machine/rehearsal/live_cell.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
@@ -37,12 +34,6 @@ void require_range(const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
   throw InputError({fmt::format("{} is {:g}", what, value),
                     fmt::format("a number from {:g} to {:g} is needed", least, most)});
-}
-
-std::string number(double value, bool decimal_comma) {
-  std::string text = fmt::format("{:.4f}", value);
-  if (decimal_comma) text[text.find('.')] = ',';
-  return text;
 }
 
 /// Returns whether the whole text was sent at once.
@@ -142,14 +133,6 @@ ServedPlaces places_of(const ServeRequest& request) {
   return places;
 }
 
-std::string described(const TrackerPort& port) {
-  return fmt::format("on {}:{}", port.host, port.port);
-}
-
-std::string described(const std::filesystem::path& file) {
-  return fmt::format("appending to {}", file.string());
-}
-
 YAML::Node flow_map() {
   YAML::Node node(YAML::NodeType::Map);
   node.SetStyle(YAML::EmitterStyle::Flow);
@@ -217,17 +200,17 @@ ReflectorLines::ReflectorLines(const ReflectorDialect& dialect, double start_s, 
                 kMostBroken_percent);
 }
 
-std::string ReflectorLines::header() const {
-  return joined({"t_s", "x_mm", "y_mm", "z_mm"});
-}
-
 std::optional<std::string> ReflectorLines::next(double now_s, const TrackerReading& reading) {
   if (beam_is_broken()) return std::nullopt;
   const double t_s =
       now_s + dialect_.clock_offset_s + 1e-6 * dialect_.clock_ppm * (now_s - start_s_);
-  const auto text = [this](double value) { return number(value, dialect_.decimal_comma); };
-  return joined(
-      {text(t_s), text(mm(reading.p_L.x())), text(mm(reading.p_L.y())), text(mm(reading.p_L.z()))});
+  const auto number = [this](double value) {
+    std::string text = fmt::format("{:.4f}", value);
+    if (dialect_.decimal_comma) text[text.find('.')] = ',';
+    return text;
+  };
+  const Eigen::Vector3d p_mm = reading.p_L / kMillimetre;
+  return joined({number(t_s), number(p_mm.x()), number(p_mm.y()), number(p_mm.z())});
 }
 
 /// Breaks begin at random, so often that the beam is broken for the stated share of the time.
@@ -269,67 +252,48 @@ std::string live_cell_text(const CellSettings& cell, const ServedPlaces& places)
   return YAML::Dump(root) + "\n";
 }
 
-struct ServedCell::Impl {
-  explicit Impl(const ServeRequest& request)
-      : cell(checked(request.cell)),
-        places(places_of(request)),
-        lock(places.motor_port.parent_path()),
-        truth(read_truth(*cell.truth)),
-        live(truth, virtual_hardware(cell)),
-        motors(cell, places.motor_port, live, request.board, request.firmware),
-        tracker(places.tracker, request.tracker, truth.seed, live) {
-    power_camera(true);
-    if (request.truth_log) truth_log.emplace(*request.truth_log, live);
-  }
-
-  void power_camera(bool on) {
-    if (!on) return camera.reset();
-    if (camera) return;
-    camera.emplace(places.address, places.camera_id,
-                   cv::Size(cell.camera.width_px, cell.camera.height_px), cell.camera.frame_rate_hz,
-                   [this](const cv::Rect& region_px, double brightness) {
-                     return live.expose(region_px, brightness);
-                   });
-  }
-
-  CellSettings cell;
-  ServedPlaces places;
-  FolderLock lock;
-  Truth truth;
-  LiveCell live;
-  ServedMotors motors;
-  ServedTracker tracker;
-  std::optional<GigeCamera> camera;
-  std::optional<TruthLog> truth_log;
-};
-
-ServedCell::ServedCell(const ServeRequest& request) : impl_(std::make_unique<Impl>(request)) {}
-
-ServedCell::~ServedCell() = default;
-
-std::string ServedCell::description() const {
-  const ServedPlaces& places = impl_->places;
-  return fmt::format(
-      "camera   GigE Vision on {}\ndrives   {} {}\ntracker  {}", places.address,
-      places.board == ServedBoard::kShafts ? "follow counts from" : "Grbl at",
-      places.motor_port.string(),
-      std::visit([](const auto& where) { return described(where); }, places.tracker));
+ServedCell::ServedCell(const ServeRequest& request)
+    : cell_(checked(request.cell)),
+      places_(places_of(request)),
+      lock_(places_.motor_port.parent_path()),
+      truth_(read_truth(*cell_.truth)),
+      live_(truth_, virtual_hardware(cell_)),
+      motors_(cell_, places_.motor_port, live_, request.board, request.firmware),
+      tracker_(places_.tracker, request.tracker, truth_.seed, live_) {
+  power_camera(true);
+  if (request.truth_log) truth_log_.emplace(*request.truth_log, live_);
 }
 
-std::string ServedCell::live_text() const {
-  return live_cell_text(impl_->cell, impl_->places);
+void ServedCell::power_camera(bool on) {
+  if (!on) return camera_.reset();
+  if (camera_) return;
+  camera_.emplace(places_.address, places_.camera_id,
+                  cv::Size(cell_.camera.width_px, cell_.camera.height_px),
+                  cell_.camera.frame_rate_hz, [this](const cv::Rect& region_px, double brightness) {
+                    return live_.expose(region_px, brightness);
+                  });
+}
+
+std::string ServedCell::description() const {
+  const auto* port = std::get_if<TrackerPort>(&places_.tracker);
+  return fmt::format(
+      "camera   GigE Vision on {}\ndrives   {} {}\ntracker  {}", places_.address,
+      places_.board == ServedBoard::kShafts ? "follow counts from" : "Grbl at",
+      places_.motor_port.string(),
+      port ? fmt::format("on {}:{}", port->host, port->port)
+           : "appending to " + std::get<std::filesystem::path>(places_.tracker).string());
 }
 
 std::string ServedCell::obey(const std::string& line) {
-  return obey_command(line, impl_->live,
-                      {[this] { return impl_->motors.put_at_marks(); },
-                       [this](bool on) { impl_->power_camera(on); }});
+  return obey_command(
+      line, live_,
+      {[this] { return motors_.put_at_marks(); }, [this](bool on) { power_camera(on); }});
 }
 
 void ServedCell::require_well() const {
-  impl_->motors.require_well();
-  impl_->tracker.require_well();
-  if (impl_->truth_log) impl_->truth_log->require_well();
+  motors_.require_well();
+  tracker_.require_well();
+  if (truth_log_) truth_log_->require_well();
 }
 
 }  // namespace planar

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <random>
 #include <string>
@@ -13,7 +12,9 @@
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/threads.h"
 #include "planar_servo/base/devices/tracker.h"
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/machine/rehearsal/gige_camera.h"
 #include "planar_servo/machine/rehearsal/live_cell.h"
 #include "planar_servo/machine/rehearsal/served_motors.h"
 
@@ -40,7 +41,7 @@ class ReflectorLines {
   ReflectorLines(const ReflectorDialect& dialect, double start_s, std::uint32_t seed);
 
   /// Names the columns. Lines have no end.
-  std::string header() const;
+  std::string header() const { return joined({"t_s", "x_mm", "y_mm", "z_mm"}); }
   /// Returns the line of a reading taken at this time of the computer's clock, kPeriod_s after the
   /// one before; empty while the beam is broken. The reading's own time is not used.
   std::optional<std::string> next(double now_s, const TrackerReading& reading);
@@ -122,14 +123,11 @@ class ServedCell {
   /// Clients find the devices once this returns. Throws InputError when the cell is not virtual or
   /// a file or option cannot be used, and WorkError when an address or port cannot.
   explicit ServedCell(const ServeRequest& request);
-  ~ServedCell();
-  ServedCell(const ServedCell&) = delete;
-  ServedCell& operator=(const ServedCell&) = delete;
 
   /// Says what is served and where, a line for each device.
   std::string description() const;
   /// Returns the text of a cell file for these devices; see live_cell_text().
-  std::string live_text() const;
+  std::string live_text() const { return live_cell_text(cell_, places_); }
 
   /// Does what obey_command() says and returns its answer.
   std::string obey(const std::string& line);
@@ -137,8 +135,17 @@ class ServedCell {
   void require_well() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void power_camera(bool on);
+
+  CellSettings cell_;
+  ServedPlaces places_;
+  FolderLock lock_;
+  Truth truth_;
+  LiveCell live_;
+  ServedMotors motors_;
+  ServedTracker tracker_;
+  std::optional<GigeCamera> camera_;
+  std::optional<TruthLog> truth_log_;
 };
 
 }  // namespace planar

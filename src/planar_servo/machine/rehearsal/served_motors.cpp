@@ -30,21 +30,19 @@ constexpr int kStepIdleDelay = 1, kHomingEnabled = 22, kHomingDirections = 23, k
 
 EmulatedGrbl::Settings board_settings(const TransmissionSettings& transmission, ServedBoard board) {
   EmulatedGrbl::Settings settings{{kStepIdleDelay, 255}};
+  if (board == ServedBoard::kEmulated) {
+    settings[kHomingEnabled] = 1;
+    settings[kHomingDirections] = 7;
+    settings[kHomingFeed] = kHomingFeed_mm_min;
+  }
   const Eigen::Vector3d pulses_per_rad = Transmission(transmission).pulses_per_rad();
   for (int i = 0; i < 3; ++i) {
-    const MotorDrive& motor = transmission.drives[static_cast<std::size_t>(i)];
+    const MotorDrive& motor = transmission.drives[i];
     const double mm_per_rad = std::abs(pulses_per_rad[i]) / kServedPulsesPerMm;
     settings[kPulsesPerMm + i] = kServedPulsesPerMm;
     settings[kMaxRate + i] = 60.0 * mm_per_rad * served_speed_deg_s(motor, board) * kDegree;
     settings[kAcceleration + i] = mm_per_rad * motor.max_acceleration_rad_s2;
   }
-  return settings;
-}
-
-EmulatedGrbl::Settings with_switches(EmulatedGrbl::Settings settings) {
-  settings[kHomingEnabled] = 1;
-  settings[kHomingDirections] = 7;
-  settings[kHomingFeed] = kHomingFeed_mm_min;
   return settings;
 }
 
@@ -115,7 +113,7 @@ void ShaftPipe::read() {
     EmulatedGrbl::Pulses counts;
     std::istringstream text(recounts ? line.substr(std::strlen(kRecount)) : line);
     text >> counts[0] >> counts[1] >> counts[2];
-    if (!text)
+    if (!text || !(text >> std::ws).eof())
       throw WorkError({fmt::format("'{}' is not where three motors are", line),
                        "write three counts to a line", pipe_});
     if (recounts) zero_ = here_ - counts;
@@ -131,7 +129,7 @@ ServedMotors::ServedMotors(const CellSettings& cell, const fs::path& port, LiveC
   const auto on_position = [this](const EmulatedGrbl::Pulses& shafts) { trail_.add(shafts); };
   switch (board) {
     case ServedBoard::kEmulated:
-      emulated_.emplace(port, with_switches(settings), on_position);
+      emulated_.emplace(port, settings, on_position);
       emulated_->place_switches(Eigen::Vector3d::Zero());
       break;
     case ServedBoard::kFirmware:
@@ -142,10 +140,6 @@ ServedMotors::ServedMotors(const CellSettings& cell, const fs::path& port, LiveC
       shafts_.emplace(port, on_position);
   }
   live_.set_mover([this](VirtualCell& virtual_cell) { follow(virtual_cell); });
-}
-
-ServedMotors::~ServedMotors() {
-  live_.set_mover({});
 }
 
 void ServedMotors::follow(VirtualCell& virtual_cell) {

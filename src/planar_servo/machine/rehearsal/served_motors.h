@@ -78,7 +78,7 @@ class ServedMotors {
   ServedMotors(const CellSettings& cell, const std::filesystem::path& port, LiveCell& live,
                ServedBoard board = ServedBoard::kEmulated,
                const std::filesystem::path& firmware = {});
-  ~ServedMotors();
+  ~ServedMotors() { live_.set_mover({}); }
   ServedMotors(const ServedMotors&) = delete;
   ServedMotors& operator=(const ServedMotors&) = delete;
 

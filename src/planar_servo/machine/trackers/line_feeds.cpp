@@ -24,8 +24,6 @@
 namespace planar {
 namespace {
 
-constexpr std::chrono::milliseconds kPoll{10};
-
 constexpr int kConnectPatience_ms = 2000;
 constexpr int kReceivePoll_ms = 50;
 constexpr std::chrono::milliseconds kReconnectPause{200};
@@ -60,12 +58,12 @@ FileFeed::FileFeed(std::filesystem::path path, ReadingStream& stream)
                      "start the tracker's program first, or correct tracker.path",
                      "tracker: " + path_.string()});
   read_rest();
-  follower_ = std::thread([this] { follow(); });
+  constexpr double kPeriod_s = 0.01;
+  follower_.emplace(kPeriod_s, [this] { follow(); });
 }
 
 FileFeed::~FileFeed() {
-  ending_ = true;
-  follower_.join();
+  follower_.reset();
   close();
 }
 
@@ -89,8 +87,8 @@ bool FileFeed::is_same() const {
 
 void FileFeed::read_rest() {
   std::array<char, 65536> block{};
-  for (ssize_t n = 1; n > 0 && !ending_;) {
-    n = pread(file_, block.data(), block.size(), offset_);
+  for (;;) {
+    const ssize_t n = pread(file_, block.data(), block.size(), offset_);
     if (n < 0) stream_.lose(fmt::format("the file cannot be read: {}", std::strerror(errno)));
     if (n <= 0) return;
     offset_ += n;
@@ -99,17 +97,13 @@ void FileFeed::read_rest() {
 }
 
 void FileFeed::follow() {
-  for (; !ending_; std::this_thread::sleep_for(kPoll)) {
-    if (!is_same()) {
-      close();
-      if (!open()) {
-        stream_.lose(fmt::format("the file cannot be opened: {}", std::strerror(errno)));
-        continue;
-      }
-      stream_.begin_anew();
-    }
-    read_rest();
+  if (!is_same()) {
+    close();
+    if (!open())
+      return stream_.lose(fmt::format("the file cannot be opened: {}", std::strerror(errno)));
+    stream_.begin_anew();
   }
+  read_rest();
 }
 
 std::pair<std::string, std::string> host_and_port(const std::string& address) {

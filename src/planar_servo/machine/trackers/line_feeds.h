@@ -3,10 +3,12 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/machine/trackers/stream_tracker.h"
 
 namespace planar {
@@ -31,8 +33,7 @@ class FileFeed final : public StreamFeed {
   ReadingStream& stream_;
   int file_{-1};
   std::int64_t offset_{0};
-  std::atomic<bool> ending_{false};
-  std::thread follower_;
+  std::optional<Repeater> follower_;
 };
 
 /// Receives lines from a program that serves them on a TCP port. It always takes them, so that

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 

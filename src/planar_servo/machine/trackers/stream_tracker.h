@@ -33,7 +33,6 @@ class ReadingStream {
   ReadingStream(std::string source, TrackerDialect dialect);
 
   // These are for the thread that receives.
-
   /// What follows begins anew: with a header, where the dialect has one.
   void begin_anew();
   /// Takes text as it came, whole lines or parts of them. A line counts once its end has come.
@@ -42,7 +41,6 @@ class ReadingStream {
   void lose(const std::string& why);
 
   // These are for the tracker.
-
   /// Discards everything that came so far.
   void forget();
   /// Waits for the next line that was meant as a reading. Empty when none comes in time.

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <functional>
-#include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,7 +9,6 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/base/io/csv_table.h"
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/machine/trackers/line_feeds.h"
@@ -69,8 +65,7 @@ Finding silence(const ReadingStream& stream) {
                   loss.empty() ? "" : ": " + loss),
       stream.has_columns()
           ? "start a measurement in the tracker's program"
-          : "start a measurement in the tracker's program; its columns are not seen "
-            "yet");
+          : "start a measurement in the tracker's program; its columns are not seen yet");
 }
 
 Finding verdict_of(const StreamEvent& event, const ReadingStream& stream) {
@@ -89,14 +84,23 @@ Finding verdict_of(const StreamEvent& event, const ReadingStream& stream) {
                              : "if the program writes metres, say tracker.unit: m");
 }
 
-/// Examines a tracker whose program writes lines: whether they come, are readings, and tell lengths
-/// that a tracker can measure. `feed` begins to feed a stream and throws WorkError when it cannot.
-std::vector<Finding> examine_stream(
-    const std::string& source, const CellSettings& cell,
-    const std::function<std::unique_ptr<StreamFeed>(ReadingStream&)>& feed) {
+/// Opens a tracker whose program writes lines. `Feed` feeds them from a file or an address.
+template <typename Feed>
+std::shared_ptr<Tracker> open_stream(const std::string& source, const CellSettings& cell) {
+  const TrackerDialect& dialect = stream_details(cell).dialect;
+  auto stream = std::make_shared<ReadingStream>(source, dialect);
+  auto feed = std::make_unique<Feed>(source, *stream);
+  return std::make_shared<StreamTracker>(cell, dialect.has_ids(), stream, std::move(feed),
+                                         std::make_shared<Terminal>());
+}
+
+/// Examines such a tracker: whether lines come, are readings, and tell lengths that a tracker can
+/// measure.
+template <typename Feed>
+std::vector<Finding> examine_stream(const std::string& source, const CellSettings& cell) {
   ReadingStream stream(source, stream_details(cell).dialect);
   try {
-    const std::unique_ptr<StreamFeed> feeding = feed(stream);
+    const Feed feed(source, stream);
     stream.forget();
     const std::optional<StreamEvent> event = stream.next(kListen_s);
     return {event ? verdict_of(*event, stream) : silence(stream)};
@@ -106,8 +110,8 @@ std::vector<Finding> examine_stream(
 }
 
 /// Paths in a cell file are relative to its own folder.
-std::filesystem::path path_of(const CellSettings& cell) {
-  return cell.file.parent_path() / stream_details(cell).source;
+std::string path_of(const CellSettings& cell) {
+  return (cell.file.parent_path() / stream_details(cell).source).string();
 }
 
 }  // namespace
@@ -170,17 +174,11 @@ std::shared_ptr<const DeviceDetails> FileTrackerKind::read(Fields& tracker) cons
 }
 
 std::shared_ptr<Tracker> FileTrackerKind::open(const CellSettings& cell) const {
-  const TrackerDialect& dialect = stream_details(cell).dialect;
-  auto stream = std::make_shared<ReadingStream>(path_of(cell).string(), dialect);
-  auto feed = std::make_unique<FileFeed>(path_of(cell), *stream);
-  return std::make_shared<StreamTracker>(cell, dialect.has_ids(), stream, std::move(feed),
-                                         std::make_shared<Terminal>());
+  return open_stream<FileFeed>(path_of(cell), cell);
 }
 
 std::vector<Finding> FileTrackerKind::examine(const CellSettings& cell) const {
-  return examine_stream(path_of(cell).string(), cell, [&](ReadingStream& stream) {
-    return std::make_unique<FileFeed>(path_of(cell), stream);
-  });
+  return examine_stream<FileFeed>(path_of(cell), cell);
 }
 
 std::shared_ptr<const DeviceDetails> TcpTrackerKind::read(Fields& tracker) const {
@@ -195,18 +193,11 @@ std::shared_ptr<const DeviceDetails> TcpTrackerKind::read(Fields& tracker) const
 }
 
 std::shared_ptr<Tracker> TcpTrackerKind::open(const CellSettings& cell) const {
-  const StreamDetails& details = stream_details(cell);
-  auto stream = std::make_shared<ReadingStream>(details.source, details.dialect);
-  auto feed = std::make_unique<TcpFeed>(details.source, *stream);
-  return std::make_shared<StreamTracker>(cell, details.dialect.has_ids(), stream, std::move(feed),
-                                         std::make_shared<Terminal>());
+  return open_stream<TcpFeed>(stream_details(cell).source, cell);
 }
 
 std::vector<Finding> TcpTrackerKind::examine(const CellSettings& cell) const {
-  const std::string& address = stream_details(cell).source;
-  return examine_stream(address, cell, [&](ReadingStream& stream) {
-    return std::make_unique<TcpFeed>(address, stream);
-  });
+  return examine_stream<TcpFeed>(stream_details(cell).source, cell);
 }
 
 std::shared_ptr<const DeviceDetails> AskTrackerKind::read(Fields& tracker) const {

@@ -78,9 +78,7 @@ void add(const PairRow& pair, TrainingPairs& training) {
     ++training.n_unattended;
   else if (!pair.plan || *pair.plan == Purpose::kTrain)
     training.problem.samples.push_back(
-        {pair.id, pair.p_vision, pair.error(),
-         std::hypot(pair.sigma_vision.value_or(0.0), pair.sigma_tracker.value_or(0.0)), pair.phi,
-         pair.place});
+        {pair.id, pair.p_vision, pair.error(), pair_noise(pair, 0.0), pair.phi, pair.place});
   else
     ++training.n_other_plans;
 }
@@ -153,9 +151,7 @@ MapCheck check_error_map(const VisionErrorMap& map, const std::vector<PairRow>& 
                          const Progress& progress) {
   require_one_unit_of(pairs);
   MapCheck check;
-  std::vector<double> raw;
-  std::vector<double> predicted;
-  std::vector<double> missed;
+  std::vector<double> raw, predicted, missed;
   int covered = 0;
   bool has_sigma = true;
   for (const PairRow& pair : pairs) {

@@ -30,13 +30,6 @@ bool tells_field(const PairRow& pair) {
   return !pair.plan || std::count(std::begin(kTelling), std::end(kTelling), *pair.plan) > 0;
 }
 
-/// Returns when the last pair was seen; the field is to hold from then on.
-double last_s(const std::vector<PairRow>& pairs) {
-  double last = 0.0;
-  for (const PairRow& pair : pairs) last = std::max(last, pair.t_s.value_or(0.0));
-  return last;
-}
-
 PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, double now_s) {
   if (!pair.lamps_B || !pair.theta || !pair.sigma_vision || (pair.p_tracker && !pair.p_reflector) ||
       (pair.p_reflector && !pair.sigma_tracker))
@@ -194,7 +187,8 @@ ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision
 
 std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs) {
   const Transmission transmission(cell.transmission);
-  const double now_s = last_s(pairs);
+  double now_s = 0.0;  // when the last pair was seen; the field is to hold from then on
+  for (const PairRow& pair : pairs) now_s = std::max(now_s, pair.t_s.value_or(0.0));
   std::vector<PoseSample> samples;
   for (const PairRow& pair : pairs)
     if (tells_field(pair)) samples.push_back(pose_sample(transmission, pair, now_s));

@@ -56,7 +56,6 @@ LaidDots laid_things(const LampFieldFiles& files, const VisionCalibration& visio
 LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& cell,
                               const VisionCalibration& vision, const Progress& progress = {});
 
-/// Writes what was learned, with what it was made from.
 void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,
                       const CellSettings& cell, const std::string& program);
 

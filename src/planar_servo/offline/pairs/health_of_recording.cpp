@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <string>
 #include <tuple>
@@ -13,7 +12,6 @@
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/loop/health/arm_check.h"
-#include "planar_servo/loop/vision/see_tool.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 
 namespace planar {

@@ -6,11 +6,8 @@
 #include <map>
 #include <optional>
 
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/calibration/board.h"
-#include "planar_servo/geometry/lens/workplane.h"
 #include "planar_servo/offline/calibrate_camera.h"
 
 namespace planar {
@@ -21,11 +18,6 @@ Workplane raised(const Workplane& workplane, double height) {
   Pose X_WC = workplane.X_WC();
   X_WC.translation().z() -= height;
   return {workplane.camera(), X_WC};
-}
-
-/// Returns a point of the board, whose z axis points down, with y the other way round.
-Eigen::Vector2d from_above(const Eigen::Vector2d& p_G) {
-  return {p_G.x(), -p_G.y()};
 }
 
 /// Returns the median of the diameters that the dots' images show, in the board's unit.
@@ -50,7 +42,8 @@ void add_lay(const Workplane& dots_plane, const LaidBoard& laid, std::vector<Lay
     const auto seen = dots_plane.plane_from_pixel(laid.sight.pixels[i] - *shift_px, &m_per_px);
     if (!seen) continue;
     const double sigma = laid.sight.dot_sigmas_px[i] * m_per_px.norm() / std::sqrt(2.0);
-    rows.push_back({laid.lay, from_above(points_G[i]), *seen, sigma, laid.board.pitch_known});
+    const Eigen::Vector2d from_above(points_G[i].x(), -points_G[i].y());  // z_G points down
+    rows.push_back({laid.lay, from_above, *seen, sigma, laid.board.pitch_known});
   }
 }
 

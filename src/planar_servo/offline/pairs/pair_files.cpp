@@ -1,8 +1,6 @@
 #include "planar_servo/offline/pairs/pair_files.h"
 
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/tables/pair_table.h"
 
 namespace planar {
 

@@ -34,7 +34,6 @@ std::vector<Origin> origins_of_lamps(const CellSettings& cell, const std::filesy
 /// pairs make a new one.
 std::vector<StaleFile> stale_tables(const CellSettings& cell, const RecordedTables& tables);
 
-/// Writes the files. Each says what it was made from.
 void write_pair_files(const PairFiles& files, const CellSettings& cell,
                       const RecordedTables& tables, const WorkplaneFit& fit, WorkplaneSource source,
                       const std::vector<PairRow>& pairs, const std::string& program);

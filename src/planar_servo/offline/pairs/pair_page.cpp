@@ -11,7 +11,6 @@
 #include "planar_servo/offline/pairs/recording_check.h"
 #include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
-#include "planar_servo/report/report_list.h"
 
 namespace planar {
 namespace {

@@ -16,7 +16,6 @@ ReportList pair_tracker_list(const PairTrackerReport& report);
 /// scatter at rest.
 Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report);
 
-/// Returns the page about pairs.csv.
 std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport& report,
                       const std::filesystem::path& file);
 

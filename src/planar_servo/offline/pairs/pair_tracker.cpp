@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -12,48 +11,11 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/calibration/workplane_calibration.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/lens/workplane.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 
 namespace planar {
-namespace {}  // namespace
-
-std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
-                                   const std::vector<FrameRow>& frames) {
-  std::map<std::string, const FrameRow*> by_image, by_id;
-  for (const FrameRow& frame : frames) {
-    by_image.emplace(frame.image, &frame);
-    by_id.emplace(frame.id, &frame);
-  }
-  Faults faults;
-  std::vector<LampSight> sights;
-  for (const LampRow& row : lamps) {
-    const auto& index = row.image.empty() ? by_id : by_image;
-    const auto found = index.find(row.image.empty() ? row.id : row.image);
-    if (found == index.end() || found->second->id != row.id) {
-      faults.add({fmt::format("id '{}', image '{}' is not in the recording's frames.csv", row.id,
-                              row.image),
-                  "", "lamps"});
-      continue;
-    }
-    const FrameRow& frame = *found->second;
-    if (shows_board(frame.plan)) continue;
-    LampSight sight{{{}, row.id, frame.plan, frame.theta}, ""};
-    if (row.status != LampStatus::kOk)
-      sight.fault = name(row.status);
-    else if (row.uv_px.size() != 2)
-      sight.fault = name(LampStatus::kOneLamp);
-    else
-      static_cast<Observation&>(sight) = observation_of(row);
-    sight.t_s = frame.t_s;
-    sights.push_back(std::move(sight));
-  }
-  faults.throw_if_any();
-  return sights;
-}
-
 namespace {
 
 /// Moves the lamps' places from the centres of their images to the images of their centres, for
@@ -120,10 +82,6 @@ WorkplaneFit fit_to_arm(const PairTrackerRequest& request, const std::vector<Pos
   for (const PoseSight& pose : poses) sent.push_back({pose, arm.forward(pose.theta).p});
   return fit_workplane_to_arm(request.camera, poses_of(request.boards_on_plane), sent,
                               request.dots_height);
-}
-
-bool serves_fit(Purpose plan) {
-  return plan == Purpose::kTrain || plan == Purpose::kSweep1 || plan == Purpose::kSweep3;
 }
 
 struct SortedReadings {
@@ -238,7 +196,10 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
                            const std::vector<ToolSight>& sights) {
   std::vector<ToolSight> fitted;
   std::copy_if(sights.begin(), sights.end(), std::back_inserter(fitted),
-               [](const ToolSight& sight) { return serves_fit(sight.plan); });
+               [](const ToolSight& sight) {
+                 return sight.plan == Purpose::kTrain || sight.plan == Purpose::kSweep1 ||
+                        sight.plan == Purpose::kSweep3;
+               });
   return request.boards_on_plane.empty()
              ? fit_workplane_to_pairs(request.camera, fitted)
              : fit_workplane_to_board(request.camera, poses_of(request.boards_on_plane), fitted,
@@ -339,6 +300,40 @@ PairTrackerReport pair_without_tracker(const PairTrackerRequest& request) {
 
 }  // namespace
 
+std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
+                                   const std::vector<FrameRow>& frames) {
+  std::map<std::string, const FrameRow*> by_image, by_id;
+  for (const FrameRow& frame : frames) {
+    by_image.emplace(frame.image, &frame);
+    by_id.emplace(frame.id, &frame);
+  }
+  Faults faults;
+  std::vector<LampSight> sights;
+  for (const LampRow& row : lamps) {
+    const auto& index = row.image.empty() ? by_id : by_image;
+    const auto found = index.find(row.image.empty() ? row.id : row.image);
+    if (found == index.end() || found->second->id != row.id) {
+      faults.add({fmt::format("id '{}', image '{}' is not in the recording's frames.csv", row.id,
+                              row.image),
+                  "", "lamps"});
+      continue;
+    }
+    const FrameRow& frame = *found->second;
+    if (shows_board(frame.plan)) continue;
+    LampSight sight{{{}, row.id, frame.plan, frame.theta}, ""};
+    if (row.status != LampStatus::kOk)
+      sight.fault = name(row.status);
+    else if (row.uv_px.size() != 2)
+      sight.fault = name(LampStatus::kOneLamp);
+    else
+      static_cast<Observation&>(sight) = observation_of(row);
+    sight.t_s = frame.t_s;
+    sights.push_back(std::move(sight));
+  }
+  faults.throw_if_any();
+  return sights;
+}
+
 PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
   if (!has_tool_readings(asked)) return pair_without_tracker(asked);
   PairTrackerReport report;
@@ -347,10 +342,9 @@ PairTrackerReport pair_tracker(const PairTrackerRequest& asked) {
   const DatumRegistration datum = registered(request.cell.datum, readings, report);
   report.datum = datum;
   std::vector<ToolReading> tool_readings;
-  for (const TrackerRow& row : readings.tool) {
+  for (const TrackerRow& row : readings.tool)
     tool_readings.push_back(
         {row.id, row.t_s, datum.X_BL * row.p_L, request.cell.tracker.sigma_at(row.p_L.norm())});
-  }
   Pairing places = paired(request, tool_readings, report);
   require_axis_in_origin(request.cell, places.sights);
   report.workplane = fit_workplane(request, places.sights);

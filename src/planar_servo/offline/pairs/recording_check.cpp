@@ -13,6 +13,7 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/lamps/paper_center.h"
 
 namespace planar {
 namespace {
@@ -22,20 +23,6 @@ constexpr int kSteps = 10;
 /// The equations are solved for centre and radius in units of a point's noise; an arc below some
 /// twenty degrees gives less.
 constexpr double kLeastRcond = 1e-5;
-
-/// Returns the circle by the linear equations |p|^2 = 2 c p + (r^2 - |c|^2) [Kasa 1976], from which
-/// the distances are improved.
-Eigen::Vector3d first_circle(const std::vector<Eigen::Vector2d>& points) {
-  Eigen::MatrixXd A(static_cast<Eigen::Index>(points.size()), 3);
-  Eigen::VectorXd b(A.rows());
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    const Eigen::Vector2d& p = points[static_cast<std::size_t>(i)];
-    A.row(i) << 2.0 * p.x(), 2.0 * p.y(), 1.0;
-    b[i] = p.squaredNorm();
-  }
-  const Eigen::Vector3d x = solve_least_squares(A, b);
-  return {x.x(), x.y(), std::sqrt(std::max(0.0, x.z() + x.head<2>().squaredNorm()))};
-}
 
 /// A step or a trend may cost so much at the end point before a person has to accept it.
 constexpr double kMostCost_m = 0.05 * kMillimetre;
@@ -79,7 +66,9 @@ std::string causes_of(const std::optional<StepFrame>& frame) {
 
 std::optional<AxisPlace> fit_axis(const std::vector<Eigen::Vector2d>& points, double sigma) {
   if (points.size() < kFewestPoints) return std::nullopt;
-  Eigen::Vector3d circle = first_circle(points);
+  const auto first = kasa_circle(points);
+  if (!first) return std::nullopt;
+  Eigen::Vector3d circle(first->center.x(), first->center.y(), first->radius);
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd J(n, 3);
   Eigen::VectorXd left(n);

@@ -5,11 +5,9 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/offline/paper/page.h"
 
 namespace planar {
 namespace {
@@ -18,13 +16,9 @@ constexpr double kDotPitches = 0.4, kDotBorderPitches = 0.75;
 constexpr double kSquareBorderPitches = 2.0;  // the outer squares and as much white
 constexpr double kLeastPitch_mm = 1.0;        // that is proposed
 
-double pitch_mm(const Board& board) {
-  return mm(board.pitch);
-}
-
 /// Returns a dot's diameter or a square's side.
 double mark_mm(const Board& board) {
-  return pitch_mm(board) * (board.has_dots() ? kDotPitches : 1.0);
+  return mm(board.pitch) * (board.has_dots() ? kDotPitches : 1.0);
 }
 
 /// Returns the pitches from the outer points to the drawing's edge.
@@ -39,8 +33,7 @@ Eigen::Vector2d size_pitches(const Board& board) {
 std::string text_of(const std::string& words, const Board& board) {
   return fmt::format(
       "{}, {} of {:g} mm. Print at 100 %, not fitted to the page, and measure both rulers (mm). "
-      "Glue the "
-      "sheet to a flat plate. Then measure the pitch over the whole board and state it: "
+      "Glue the sheet to a flat plate. Then measure the pitch over the whole board and state it: "
       "planar-calibrate-camera --grid {}:PITCHmm",
       words, board.has_dots() ? "dots" : "squares", mark_mm(board),
       words.substr(0, words.rfind(':')));
@@ -54,14 +47,14 @@ std::string what_fits(const Board& board, const Eigen::Vector2d& room_mm) {
     text +=
         fmt::format("the largest pitch that fits is {:g} mm; ", std::floor(10.0 * pitch) / 10.0);
   const Eigen::Vector2d pitches =
-      (room_mm / pitch_mm(board)).array() - (2.0 * border_pitches(board) - 1.0);
+      (room_mm / mm(board.pitch)).array() - (2.0 * border_pitches(board) - 1.0);
   const double per_column = board.kind == Board::Kind::kAsymmetricCircles ? 2.0 : 1.0;
   const int columns =
       std::min(board.columns, static_cast<int>(std::floor(pitches.x() / per_column)));
   const int rows = std::min(board.rows, static_cast<int>(std::floor(pitches.y())));
   if (columns >= 3 && rows >= 3)
     text +=
-        fmt::format("the largest count at {:g} mm is {} x {}; ", pitch_mm(board), columns, rows);
+        fmt::format("the largest count at {:g} mm is {} x {}; ", mm(board.pitch), columns, rows);
   return text;
 }
 
@@ -88,8 +81,7 @@ constexpr double kEndPoint_mm = 2.0;  // diameter of its mark
 constexpr char kText[] =
     "The tool seen from above, where the camera is. Print at 100 %, not fitted to the page, and "
     "measure both rulers (mm). Prick the centres through the paper into the tool's plate. The end "
-    "point "
-    "is the axis of joint 3; the arrow is the tool's direction phi.";
+    "point is the axis of joint 3; the arrow is the tool's direction phi.";
 
 /// A round part; lengths in millimetres, places in the frame T.
 struct Part {
@@ -210,11 +202,11 @@ BoardPage board_page(const std::string& words, const std::string& page) {
   BoardPage drawn;
   drawn.board = parse_board(words);
   const Board& board = drawn.board;
-  const Eigen::Vector2d size_mm = pitch_mm(board) * size_pitches(board);
+  const Eigen::Vector2d size_mm = mm(board.pitch) * size_pitches(board);
   const RuledPage ruled(stated_page_mm(page, size_mm.x() > size_mm.y()), size_mm,
                         text_of(words, board));
   ruled.require_room(size_mm, words, what_fits(board, ruled.room_mm()));
-  drawn.first_point_mm = ruled.corner_of(size_mm).array() + pitch_mm(board) * border_pitches(board);
+  drawn.first_point_mm = ruled.corner_of(size_mm).array() + mm(board.pitch) * border_pitches(board);
   drawn.mark_mm = mark_mm(board);
   drawn.rulers_mm = ruled.rulers_mm();
   drawn.page.size_mm = ruled.page_mm();

@@ -26,7 +26,6 @@ struct BoardPage {
 /// fit the page, with the largest pitch and the most points that do.
 BoardPage board_page(const std::string& words, const std::string& page);
 
-/// Lists what was drawn.
 ReportList board_page_list(const BoardPage& drawn);
 
 /// Where lamps and reflector are to be mounted on the tool, in metres.
@@ -47,7 +46,6 @@ struct ToolPage {
 /// or on one just large enough. Throws InputError when two parts overlap, and for too small a page.
 ToolPage tool_page(const ToolMount& mount, const std::string& page);
 
-/// Lists what was drawn.
 ReportList tool_page_list(const ToolPage& drawn);
 
 }  // namespace planar

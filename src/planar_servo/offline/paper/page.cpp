@@ -8,7 +8,6 @@
 #include <memory>
 #include <regex>
 #include <sstream>
-#include <stdexcept>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
@@ -42,13 +41,8 @@ Surface surface_of(const Page& page, PageFormat format, std::string& text) {
   return surface;
 }
 
-/// Says in a drawing's comment of what kind it is: in an SVG's second line, behind a PDF's end.
-std::string marked(std::string text, PageFormat format) {
-  if (format == PageFormat::kPdf) return text + format_remark(kPaperKind);
-  return text.insert(text.find('\n') + 1, format_comment(kPaperKind));
-}
-
-constexpr double kMargin_mm = 5.0;  // what laser and ink-jet printers leave white
+constexpr double kTextLine_mm = 4.2;  // from one base line to the next
+constexpr double kMargin_mm = 5.0;    // what laser and ink-jet printers leave white
 constexpr double kLeftRuler_mm = 14.0, kLowerRuler_mm = 11.0;  // with figures and distance
 constexpr double kRulerLength_mm = 100.0;
 constexpr double kRulerDistance_mm = 2.0;                        // from the drawing
@@ -87,6 +81,22 @@ Eigen::Vector2d with_least(const Eigen::Vector2d& drawing_mm) {
 
 std::string size_text(const Eigen::Vector2d& size_mm) {
   return fmt::format("{:g} x {:g} mm", size_mm.x(), size_mm.y());
+}
+
+/// Breaks a text between words into lines of at most this width; only a longer word is wider.
+std::vector<std::string> broken_lines(const std::string& text, double width_mm) {
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1), cairo_surface_destroy);
+  const Cairo cairo(cairo_create(surface.get()), cairo_destroy);
+  Pen pen(cairo.get());
+  std::vector<std::string> lines;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!lines.empty() && pen.width_of(lines.back() + " " + word) <= width_mm)
+      lines.back() += " " + word;
+    else
+      lines.push_back(word);
+  }
+  return lines;
 }
 
 }  // namespace
@@ -147,21 +157,6 @@ double Pen::width_of(const std::string& words) {
   return extents.x_advance;
 }
 
-std::vector<std::string> broken_lines(const std::string& text, double width_mm) {
-  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1), cairo_surface_destroy);
-  const Cairo cairo(cairo_create(surface.get()), cairo_destroy);
-  Pen pen(cairo.get());
-  std::vector<std::string> lines;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    if (!lines.empty() && pen.width_of(lines.back() + " " + word) <= width_mm)
-      lines.back() += " " + word;
-    else
-      lines.push_back(word);
-  }
-  return lines;
-}
-
 PageFormat page_format(const std::filesystem::path& file) {
   if (file.extension() == ".svg") return PageFormat::kSvg;
   if (file.extension() == ".pdf") return PageFormat::kPdf;
@@ -181,7 +176,9 @@ std::string page_text(const Page& page, PageFormat format) {
   cairo_surface_finish(surface.get());
   if (const cairo_status_t status = cairo_surface_status(surface.get()))
     throw WorkError(std::string("the page cannot be drawn: ") + cairo_status_to_string(status));
-  return marked(std::move(text), format);
+  // A comment says of what kind it is: in an SVG's second line, behind a PDF's end.
+  if (format == PageFormat::kPdf) return text + format_remark(kPaperKind);
+  return text.insert(text.find('\n') + 1, format_comment(kPaperKind));
 }
 
 std::optional<Eigen::Vector2d> stated_page_mm(const std::string& text, bool lies) {
@@ -205,15 +202,12 @@ RuledPage::RuledPage(const std::optional<Eigen::Vector2d>& page_mm,
   const double width_mm =
       page_mm ? page_mm->x() : with_least(drawing_mm).x() + surroundings_mm(0).x();
   lines_ = broken_lines(text, width_mm - 2.0 * kMargin_mm);
-  page_mm_ = page_mm ? *page_mm : page_for_mm(with_least(drawing_mm));
+  page_mm_ = (with_least(drawing_mm) + surroundings_mm(lines_.size())).array().ceil();
+  if (page_mm) page_mm_ = *page_mm;
 }
 
 Eigen::Vector2d RuledPage::room_mm() const {
   return page_mm_ - surroundings_mm(lines_.size());
-}
-
-Eigen::Vector2d RuledPage::page_for_mm(const Eigen::Vector2d& drawing_mm) const {
-  return (drawing_mm + surroundings_mm(lines_.size())).array().ceil();
 }
 
 void RuledPage::require_room(const Eigen::Vector2d& drawing_mm, const std::string& what,

@@ -35,10 +35,6 @@ class Pen {
 };
 
 constexpr double kTextHeight_mm = 2.8;
-constexpr double kTextLine_mm = 4.2;  ///< from one base line to the next
-
-/// Breaks a text between words into lines of at most this width; only a longer word is wider.
-std::vector<std::string> broken_lines(const std::string& text, double width_mm);
 
 /// A page that is printed at true scale.
 struct Page {
@@ -84,8 +80,6 @@ class RuledPage {
   void draw(Pen& pen) const;
 
  private:
-  Eigen::Vector2d page_for_mm(const Eigen::Vector2d& drawing_mm) const;
-
   Eigen::Vector2d page_mm_;
   std::vector<std::string> lines_;
 };

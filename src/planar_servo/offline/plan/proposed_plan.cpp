@@ -79,10 +79,10 @@ constexpr double kLampSigma_m = 2e-6;
 /// Readings that bring the accuracy within this share of what all bring are enough.
 constexpr double kNearly = 1.05;
 
-/// A place where a reading could be taken.
-struct Candidate {
-  PoseSample pose;
-  TipPose tip;
+/// Places where a reading could be taken.
+struct Candidates {
+  std::vector<PoseSample> poses;
+  std::vector<TipPose> tips;  ///< as many
 };
 
 /// The cell as far as its files tell.
@@ -126,26 +126,20 @@ PoseSample pose_at(const KnownCell& known, const Joints& theta) {
 }
 
 /// Returns places that fill the workspace evenly, as far as arm and camera reach.
-std::vector<Candidate> candidates_of(const KnownCell& known) {
+Candidates candidates_of(const KnownCell& known) {
   const Eigen::Matrix2Xd places = spiral_over_disc(known.cell.workspace.radius_max_m, kCandidates);
-  std::vector<Candidate> candidates;
+  Candidates candidates;
   for (Eigen::Index i = 0; i < places.cols(); ++i) {
     const TipPose tip{places.col(i), known.cell.tool_orientation};
     const JointPlan plan = known.planner.plan(tip, known.cell.arm.home);
     if (plan.refusal || !is_seen(known, tip)) continue;
-    candidates.push_back({pose_at(known, plan.theta), tip});
+    candidates.poses.push_back(pose_at(known, plan.theta));
+    candidates.tips.push_back(tip);
   }
-  if (candidates.empty())
+  if (candidates.tips.empty())
     throw InputError({"no place of the workspace can be reached and seen",
                       "see planar-servo --dry-run for the reason", known.cell.file});
   return candidates;
-}
-
-std::vector<PoseSample> poses_of(const std::vector<Candidate>& candidates) {
-  std::vector<PoseSample> poses;
-  poses.reserve(candidates.size());
-  for (const Candidate& candidate : candidates) poses.push_back(candidate.pose);
-  return poses;
 }
 
 /// Returns what is known before or after readings: by the pairs, or by the first rows of a plan.
@@ -248,12 +242,6 @@ ExperimentSize first_size(const PlanRequest& request) {
   return size;
 }
 
-/// Puts views of the board last: only the other rows need the tracker, which is rented.
-void put_boards_last(std::vector<PlanRow>& rows) {
-  std::stable_partition(rows.begin(), rows.end(),
-                        [](const PlanRow& row) { return !shows_board(row.plan); });
-}
-
 /// Returns the poses of a plan's rows as far as they have any.
 std::vector<PoseSample> poses_of(const KnownCell& known, const std::vector<PlanRow>& rows) {
   std::vector<PoseSample> poses;
@@ -274,9 +262,9 @@ double length_of(double sigma) {
 /// expect.
 std::vector<TipPose> most_telling(const KnownCell& known, const std::vector<PairRow>& pairs,
                                   int places, ProposedPlan& plan) {
-  const std::vector<Candidate> candidates = candidates_of(known);
+  const Candidates candidates = candidates_of(known);
   const NextPlaces next =
-      choose_next_places(estimate_of(known, pairs), poses_of(candidates),
+      choose_next_places(estimate_of(known, pairs), candidates.poses,
                          static_cast<std::size_t>(places), poses_of(known, plan.rows));
   plan.before = length_of(next.sigmas.front());
   plan.after = length_of(next.sigmas.back());
@@ -285,7 +273,7 @@ std::vector<TipPose> most_telling(const KnownCell& known, const std::vector<Pair
                    [&](double sigma) { return sigma <= kNearly * next.sigmas.back(); }) -
       next.sigmas.begin());
   std::vector<TipPose> tips;
-  for (const std::size_t i : next.chosen) tips.push_back(candidates[i].tip);
+  for (const std::size_t i : next.chosen) tips.push_back(candidates.tips[i]);
   return tips;
 }
 
@@ -337,7 +325,9 @@ ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
   add(Purpose::kPose, unattended_poses(cell, request.unattended));
   if (request.readings == 0)
     require_poses(cell, plan.rows.size() - before, pairs.empty() ? kFewestPoses : 1);
-  put_boards_last(plan.rows);
+  // Views of the board come last: only the other rows need the tracker, which is rented.
+  std::stable_partition(plan.rows.begin(), plan.rows.end(),
+                        [](const PlanRow& row) { return !shows_board(row.plan); });
   return plan;
 }
 

@@ -30,7 +30,6 @@ NextPlaces choose_next_places(const JointEstimate& estimate,
 /// Without a reading the lays must be turned against each other, and the tool must.
 constexpr int kFewestLays = 2;
 
-/// Says what to plan.
 struct PlanRequest {
   int readings{0};    ///< of the tracker; with none of them lays and poses tell all
   int unattended{0};  ///< places that only the camera watches, with the tool turned anyhow
@@ -61,7 +60,6 @@ struct ProposedPlan {
 ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
                           const std::vector<PairRow>& pairs = {});
 
-/// Returns what to expect of a plan, in words.
 std::string proposal_text(const ProposedPlan& plan);
 
 }  // namespace planar

@@ -22,13 +22,17 @@ constexpr unsigned kTextHeight = 15;
 constexpr double kTextRise = 4.0;  // baseline below the top of a line of text
 const vpRGBa kPaper(24, 26, 30);
 
+/// Returns the picture's pixels, not a copy of them.
+cv::Mat rgba_of(const vpImage<vpRGBa>& picture) {
+  return {static_cast<int>(picture.getHeight()), static_cast<int>(picture.getWidth()), CV_8UC4,
+          picture.bitmap};
+}
+
 void save(const vpImage<vpRGBa>& picture, const std::filesystem::path& file) {
   std::filesystem::path fresh = file;
   fresh.replace_extension(".new.png");
-  const cv::Mat rgba(static_cast<int>(picture.getHeight()), static_cast<int>(picture.getWidth()),
-                     CV_8UC4, picture.bitmap);
   cv::Mat bgr;
-  cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
+  cv::cvtColor(rgba_of(picture), bgr, cv::COLOR_RGBA2BGR);
   if (!cv::imwrite(fresh.string(), bgr))
     throw WorkError(fmt::format("{}: cannot be written", fresh.string()));
   std::filesystem::rename(fresh, file);
@@ -91,13 +95,11 @@ void draw_target(const ServoView& view, Canvas& canvas) {
     vpImageDraw::drawCross(canvas.picture(), at, 9, kInk, 2);
     before = at;
   }
-  canvas.write(kTargetPanel.x + kTargetPanel.width + 12, kTargetPanel.y + 16, "x right, y up",
-               kFaint);
-  canvas.write(kTargetPanel.x + kTargetPanel.width + 12, kTargetPanel.y + 40, "rings: 10, 1,",
-               kFaint);
-  canvas.write(kTargetPanel.x + kTargetPanel.width + 12, kTargetPanel.y + 60, "0.1 ... mm", kFaint);
-  canvas.write(kTargetPanel.x + kTargetPanel.width + 12, kTargetPanel.y + 84, "green: content",
-               kSeen);
+  const double beside = kTargetPanel.x + kTargetPanel.width + 12;
+  canvas.write(beside, kTargetPanel.y + 16, "x right, y up", kFaint);
+  canvas.write(beside, kTargetPanel.y + 40, "rings: 10, 1,", kFaint);
+  canvas.write(beside, kTargetPanel.y + 60, "0.1 ... mm", kFaint);
+  canvas.write(beside, kTargetPanel.y + 84, "green: content", kSeen);
 }
 
 void draw_steps(const ServoView& view, Canvas& canvas) {
@@ -150,12 +152,8 @@ double Canvas::show(const cv::Mat& image, const cv::Rect2d& panel) {
   const double scale = std::min(panel.width / image.cols, panel.height / image.rows);
   cv::Mat shown;
   cv::resize(image, shown, {}, scale, scale, cv::INTER_AREA);
-  for (int row = 0; row < shown.rows; ++row)
-    for (int column = 0; column < shown.cols; ++column) {
-      const unsigned char grey = shown.at<unsigned char>(row, column);
-      picture_[static_cast<unsigned>(panel.y + row)][static_cast<unsigned>(panel.x + column)] =
-          vpRGBa(grey, grey, grey);
-    }
+  const cv::Rect place(cv::Point(panel.tl()), shown.size());
+  cv::cvtColor(shown, rgba_of(picture_)(place), cv::COLOR_GRAY2RGBA);
   return scale;
 }
 
@@ -185,10 +183,8 @@ ViewPlot LiveView::wait_for_plot() {
 }
 
 void LiveView::show(ViewPlot plot) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    newest_ = std::move(plot);
-  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  newest_ = std::move(plot);
   changed_.notify_one();
 }
 

@@ -19,10 +19,6 @@
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/devices/frame_source.h"
 
-template <class Type>
-class vpImage;
-class vpRGBa;
-
 namespace planar {
 
 const vpColor kInk(230, 230, 230);
@@ -34,8 +30,7 @@ const vpColor kAlarm(255, 80, 80);
 /// The panel that shows the camera's picture in a view.
 const cv::Rect2d kFramePanel(16, 48, 512, 512);
 
-/// What a view is drawn on: a picture of kViewWidth x kViewHeight pixels. x counts to the right, y
-/// down.
+/// What a view is drawn on: kViewWidth x kViewHeight pixels, x counted to the right, y down.
 class Canvas {
  public:
   /// Clears `picture`.
@@ -46,8 +41,7 @@ class Canvas {
   vpImage<vpRGBa>& picture() { return picture_; }
   void write(double x, double y, const std::string& text, const vpColor& color);
   void frame(const cv::Rect2d& panel);
-  /// Draws an 8-bit grey image as large as it fits into a panel. Returns the panel's pixels per
-  /// pixel of it; 0 for an empty image.
+  /// Draws an 8-bit grey image as large as it fits into a panel. Returns the scale; 0 for no image.
   double show(const cv::Mat& image, const cv::Rect2d& panel);
 
  private:

@@ -6,14 +6,12 @@
 #include <sstream>
 #include <utility>
 
-#include "planar_servo/report/live/live_view.h"
-
 namespace planar {
 namespace {
 
-const vpColor kCovered(70, 140, 255);
+const vpColor kFixed(70, 140, 255);  // monuments, and dots of the views taken
 constexpr double kWordsLeft = 548.0;
-constexpr double kWordsHeight = 22.0;
+constexpr double kWordsHeight = 22.0;    // of a line
 constexpr std::size_t kLineLength = 46;  // letters
 
 std::vector<std::string> wrapped(const std::string& text) {
@@ -53,7 +51,7 @@ void draw_picture(const BoardView& view, Canvas& canvas) {
                                         kFramePanel.y + scale * (uv.y() + 0.5)),
                              size, color, 1);
   };
-  mark(view.covered_px, 3, kCovered);
+  mark(view.covered_px, 3, kFixed);
   mark(view.dots_px, 7, view.good ? kSeen : kWanted);
 }
 
@@ -68,9 +66,6 @@ void write_texts(const BoardView& view, Canvas& canvas) {
                   "blue: dots of the views taken; orange frames: no view reaches there", kFaint);
 }
 
-const vpColor kMonument(70, 140, 255);
-constexpr double kMapTextLeft = 548.0;
-constexpr double kMapLineHeight = 22.0;
 constexpr double kMargin = 1.08;  // about what lies farthest out
 constexpr double kHalfDot = 3.0;
 constexpr unsigned kHereRing = 9;
@@ -125,11 +120,11 @@ void draw_map(const RecordView& view, Canvas& canvas) {
   for (const RecordView::Place& place : view.places)
     draw_mark(canvas, map.x(place.p_B), map.y(place.p_B), place.mark);
   for (const RecordView::Point& monument : view.monuments) {
-    vpImageDraw::drawCross(canvas.picture(), map.at(monument.p_B), 13, kMonument, 2);
+    vpImageDraw::drawCross(canvas.picture(), map.at(monument.p_B), 13, kFixed, 2);
     // On the side of the middle, so that it stays within the panel.
     const double width = kLetterWidth * static_cast<double>(monument.id.size());
     const double offset = monument.p_B.x() > 0.0 ? -kBesideMark - width : kBesideMark;
-    canvas.write(map.x(monument.p_B) + offset, map.y(monument.p_B) - 14.0, monument.id, kMonument);
+    canvas.write(map.x(monument.p_B) + offset, map.y(monument.p_B) - 14.0, monument.id, kFixed);
   }
   if (view.here_B)
     vpImageDraw::drawCircle(canvas.picture(), map.at(*view.here_B), kHereRing, kWanted, 2);
@@ -137,23 +132,23 @@ void draw_map(const RecordView& view, Canvas& canvas) {
 
 void write_counts(const RecordView& view, Canvas& canvas) {
   double y = kFramePanel.y;
-  canvas.write(kMapTextLeft, y, view.now, kWanted);
-  y += kMapLineHeight;
+  canvas.write(kWordsLeft, y, view.now, kWanted);
+  y += kWordsHeight;
   for (const std::string& count : view.counts)
-    canvas.write(kMapTextLeft, y += kMapLineHeight, count, kInk);
+    canvas.write(kWordsLeft, y += kWordsHeight, count, kInk);
 }
 
 void write_legend(Canvas& canvas) {
-  double y = kFramePanel.y + kFramePanel.height - 6.0 * kMapLineHeight;
+  double y = kFramePanel.y + kFramePanel.height - 6.0 * kWordsHeight;
   const auto line = [&](const std::string& text) {
-    canvas.write(kMapTextLeft + 20.0, y, text, kFaint);
-    return std::exchange(y, y + kMapLineHeight) + 0.25 * kMapLineHeight;
+    canvas.write(kWordsLeft + 20.0, y, text, kFaint);
+    return std::exchange(y, y + kWordsHeight) + 0.25 * kWordsHeight;
   };
-  const double x = kMapTextLeft + 6.0;
+  const double x = kWordsLeft + 6.0;
   draw_mark(canvas, x, line("recorded"), PlaceMark::kDone);
   draw_mark(canvas, x, line("left out"), PlaceMark::kLeftOut);
   draw_mark(canvas, x, line("to be recorded"), PlaceMark::kToDo);
-  vpImageDraw::drawCross(canvas.picture(), Canvas::at(x, line("monument")), 9, kMonument, 2);
+  vpImageDraw::drawCross(canvas.picture(), Canvas::at(x, line("monument")), 9, kFixed, 2);
   vpImageDraw::drawCross(canvas.picture(), Canvas::at(x, line("base; x right, y up")), 9, kInk, 1);
 }
 

@@ -52,8 +52,7 @@ struct RecordView {
   std::optional<Eigen::Vector2d> here_B;  ///< the place that is recorded now
 };
 
-/// Draws a map: places that are done, left and left out, the borders of the workspace, the base and
-/// the monuments; x to the right, y up.
+/// Draws a map of places, the borders of the workspace, base and monuments; x to the right, y up.
 ViewPlot plot_of(RecordView view);
 
 }  // namespace planar

@@ -12,13 +12,6 @@ constexpr const char* kJoints[] = {"joint1", "joint2", "joint3"};
 
 using Reducers = std::array<ReducerTruth, 3>;
 
-void list_beam_sag(Fields& fields, ArmTruth& arm) {
-  list_optional_block(fields, "beam_sag", arm.beam_sag, [&](BeamSagTruth& sag) {
-    fields.number("bending_mm_per_m2", sag.bending_m_per_m2, kMillimetre);
-    fields.number("twisting_mm_per_m2", sag.twisting_m_per_m2, kMillimetre);
-  });
-}
-
 void list_axis_leans(Fields& fields, ArmTruth& arm) {
   const Range lean = Range::from_to(-10.0, 10.0);
   const Eigen::Vector2d none(0.0, 0.0);
@@ -102,14 +95,6 @@ void list_axis_errors(Fields& fields, const std::string& key, const char* unit_n
   });
 }
 
-void list_scatter(Fields& fields, std::optional<ScatterTruth>& scatter) {
-  list_optional_block(fields, "scatter", scatter, [&](ScatterTruth& stop) {
-    fields.number("sigma_um", stop.sigma_m, kMicrometre, Range::at_least(0.0));
-    fields.number("short_move_factor", stop.short_move_factor, 1.0, Range::at_least(0.0));
-    fields.number("negative_factor", stop.negative_factor, 1.0, Range::at_least(0.0));
-  });
-}
-
 void list_warming(Fields& fields, std::optional<ArmWarmingTruth>& warming) {
   list_optional_block(fields, "warming", warming, [&](ArmWarmingTruth& warm) {
     fields.number("growth_um_per_m", warm.growth, kMicrometre);
@@ -119,35 +104,6 @@ void list_warming(Fields& fields, std::optional<ArmWarmingTruth>& warming) {
     fields.number("holding_share", warm.holding_share, 1.0, Range::from_to(0.0, 1.0));
     fields.check(warm.motor_time_s != warm.link_time_s,
                  {"arm.warming must have two different time constants"}, "link_time_constant_h");
-  });
-}
-
-void list_height_wave(Fields& fields, std::optional<HeightWaveTruth>& wave) {
-  list_optional_block(fields, "height_wave", wave, [&](HeightWaveTruth& rings) {
-    fields.number("amplitude_um", rings.amplitude_m, kMicrometre);
-    fields.numbers("center_mm", rings.center_m, kMillimetre);
-  });
-}
-
-void list_bending(Fields& fields, std::optional<BendingTruth>& bending) {
-  list_optional_block(fields, "bending", bending, [&](BendingTruth& bent) {
-    fields.number("largest_um", bent.largest_m, kMicrometre, Range::at_least(0.0));
-    fields.number("slack_deg", bent.slack_rad, kDegree);
-  });
-}
-
-void list_base_motion(Fields& fields, std::optional<BaseMotionTruth>& motion) {
-  list_optional_block(fields, "base_motion", motion, [&](BaseMotionTruth& base) {
-    fields.number("largest_um", base.largest_m, kMicrometre, Range::at_least(0.0));
-    fields.number("period_min", base.period_s, 60.0, Range::positive());
-    fields.number("direction_deg", base.direction_rad, kDegree);
-  });
-}
-
-void list_creep(Fields& fields, std::optional<CreepTruth>& creep) {
-  list_optional_block(fields, "creep", creep, [&](CreepTruth& tip) {
-    fields.number("largest_um", tip.largest_m, kMicrometre, Range::at_least(0.0));
-    fields.number("time_s", tip.time_s, 1.0, Range::positive());
   });
 }
 
@@ -170,19 +126,39 @@ void list_fields(Fields& fields, ArmTruth& arm) {
   list_backlash_variation(fields, arm.reducers);
   fields.map("eccentricity",
              [&] { list_each(fields, arm.reducers, &ReducerTruth::eccentricity, kDegree); });
-  list_beam_sag(fields, arm);
+  list_optional_block(fields, "beam_sag", arm.beam_sag, [&](BeamSagTruth& sag) {
+    fields.number("bending_mm_per_m2", sag.bending_m_per_m2, kMillimetre);
+    fields.number("twisting_mm_per_m2", sag.twisting_m_per_m2, kMillimetre);
+  });
   list_axis_leans(fields, arm);
   list_ripple(fields, arm.reducers);
   list_microsteps(fields, arm.reducers);
   list_hysteresis(fields, arm.reducers);
   list_axis_errors(fields, "runout", "um", arm.runout, kMicrometre);
   list_axis_errors(fields, "wobble", "arcsec", arm.wobble, kArcSecond);
-  list_scatter(fields, arm.scatter);
+  list_optional_block(fields, "scatter", arm.scatter, [&](ScatterTruth& stop) {
+    fields.number("sigma_um", stop.sigma_m, kMicrometre, Range::at_least(0.0));
+    fields.number("short_move_factor", stop.short_move_factor, 1.0, Range::at_least(0.0));
+    fields.number("negative_factor", stop.negative_factor, 1.0, Range::at_least(0.0));
+  });
   list_warming(fields, arm.warming);
-  list_height_wave(fields, arm.height_wave);
-  list_bending(fields, arm.bending);
-  list_base_motion(fields, arm.base_motion);
-  list_creep(fields, arm.creep);
+  list_optional_block(fields, "height_wave", arm.height_wave, [&](HeightWaveTruth& rings) {
+    fields.number("amplitude_um", rings.amplitude_m, kMicrometre);
+    fields.numbers("center_mm", rings.center_m, kMillimetre);
+  });
+  list_optional_block(fields, "bending", arm.bending, [&](BendingTruth& bent) {
+    fields.number("largest_um", bent.largest_m, kMicrometre, Range::at_least(0.0));
+    fields.number("slack_deg", bent.slack_rad, kDegree);
+  });
+  list_optional_block(fields, "base_motion", arm.base_motion, [&](BaseMotionTruth& base) {
+    fields.number("largest_um", base.largest_m, kMicrometre, Range::at_least(0.0));
+    fields.number("period_min", base.period_s, 60.0, Range::positive());
+    fields.number("direction_deg", base.direction_rad, kDegree);
+  });
+  list_optional_block(fields, "creep", arm.creep, [&](CreepTruth& tip) {
+    fields.number("largest_um", tip.largest_m, kMicrometre, Range::at_least(0.0));
+    fields.number("time_s", tip.time_s, 1.0, Range::positive());
+  });
 }
 
 void list_harmonics(Fields& fields, const std::string& key, std::vector<Harmonic>& harmonics,

@@ -7,12 +7,9 @@
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 
-// This file holds every distribution in which cells with real arms differ from the paper's kind.
-// doc/virtual_cell.md says where the medians come from.
-
-// This file holds every distribution of a drawn cell of the paper's kind. The cell in calib/paper
-// was not drawn from them: its links are truer than any that are drawn, and two of its zero offsets
-// lie outside.
+// This file holds every distribution of drawn cells. doc/virtual_cell.md says where the medians of
+// real arms come from. The cell in calib/paper was not drawn from those of the paper's kind: its
+// links are truer than any that are drawn, and two of its zero offsets lie outside.
 
 namespace planar {
 namespace {

@@ -23,12 +23,6 @@ void list_given_harmonics(Fields& fields, const std::string& key, std::vector<Ha
   if (fields.given(key, !harmonics.empty())) list_harmonics(fields, key, harmonics, unit);
 }
 
-void list_directions(Fields& fields, Eigen::Vector3d& directions) {
-  const char* const key = "directions";
-  if (fields.numbers(key, directions))
-    fields.check((directions.array().abs() == 1.0).all(), {"arm.directions may be 1 and -1"}, key);
-}
-
 /// Lists the keys of the block `arm` that may differ from what the cell file states.
 void list_fields(Fields& fields, BuildTruth& build) {
   list_optional(fields, "positive_rotation", build.sense, 1.0,
@@ -40,8 +34,11 @@ void list_fields(Fields& fields, BuildTruth& build) {
   list_optional(fields, "gear_ratios", build.gear_ratios, ones, [&](Eigen::Vector3d& ratios) {
     fields.numbers("gear_ratios", ratios, 1.0, Range::positive());
   });
-  list_optional(fields, "directions", build.directions, ones,
-                [&](Eigen::Vector3d& directions) { list_directions(fields, directions); });
+  list_optional(fields, "directions", build.directions, ones, [&](Eigen::Vector3d& directions) {
+    if (fields.numbers("directions", directions))
+      fields.check((directions.array().abs() == 1.0).all(), {"arm.directions may be 1 and -1"},
+                   "directions");
+  });
   list_optional(fields, "home_deg", build.home_rad, ones,
                 [&](Eigen::Vector3d& home) { fields.numbers("home_deg", home, kDegree); });
 }
@@ -66,14 +63,6 @@ void list_outliers(Fields& fields, std::optional<OutlierTruth>& outliers) {
   });
 }
 
-void list_air(Fields& fields, std::optional<AirTruth>& air) {
-  list_optional_block(fields, "air", air, [&](AirTruth& moving) {
-    fields.number("sigma_px", moving.sigma_px, 1.0, Range::at_least(0.0));
-    fields.number("time_s", moving.time_s, 1.0, Range::positive());
-    fields.number("length_px", moving.length_px, 1.0, Range::positive());
-  });
-}
-
 void list_fields(Fields& fields, CameraTruth& camera) {
   fields.map("X_CB", [&] { list_pose(fields, camera.X_CB); });
   fields.numbers("focal_px", camera.focal_px, 1.0, Range::positive());
@@ -88,7 +77,11 @@ void list_fields(Fields& fields, CameraTruth& camera) {
     row.number(bump.sigma_px, 1.0, Range::positive());
     for (double& coordinate : bump.amplitude_px) row.number(coordinate);
   });
-  list_air(fields, camera.air);
+  list_optional_block(fields, "air", camera.air, [&](AirTruth& moving) {
+    fields.number("sigma_px", moving.sigma_px, 1.0, Range::at_least(0.0));
+    fields.number("time_s", moving.time_s, 1.0, Range::positive());
+    fields.number("length_px", moving.length_px, 1.0, Range::positive());
+  });
 }
 
 void list_fields(Fields& fields, GlowTruth& glow) {
@@ -138,14 +131,6 @@ void list_fields(Fields& fields, ToolTruth& tool) {
   fields.number("tip_diameter_mm", tool.tip->diameter_m, kMillimetre, Range::positive());
 }
 
-void list_station_drift(Fields& fields, std::optional<StationDriftTruth>& drift) {
-  list_optional_block(fields, "station_drift", drift, [&](StationDriftTruth& station) {
-    fields.numbers("um_per_h", station.velocity_m_s, kMicrometre / kHour);
-    fields.numbers("settling_um", station.settling_m, kMicrometre);
-    fields.number("half_time_h", station.half_time_s, kHour, Range::positive());
-  });
-}
-
 void list_fields(Fields& fields, TrackerTruth& tracker) {
   fields.map("X_LB", [&] { list_pose(fields, tracker.X_LB); });
   fields.number("sigma_mm", tracker.sigma_m, kMillimetre, Range::at_least(0.0));
@@ -156,7 +141,11 @@ void list_fields(Fields& fields, TrackerTruth& tracker) {
   });
   list_given_harmonics(fields, "azimuth_errors_urad", tracker.azimuth_errors, kMicroradian);
   list_given_harmonics(fields, "elevation_errors_urad", tracker.elevation_errors, kMicroradian);
-  list_station_drift(fields, tracker.drift);
+  list_optional_block(fields, "station_drift", tracker.drift, [&](StationDriftTruth& station) {
+    fields.numbers("um_per_h", station.velocity_m_s, kMicrometre / kHour);
+    fields.numbers("settling_um", station.settling_m, kMicrometre);
+    fields.number("half_time_h", station.half_time_s, kHour, Range::positive());
+  });
 }
 
 void list_fields(Fields& fields, NoiseTruth& noise) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
@@ -14,8 +16,6 @@
 
 namespace planar {
 namespace {
-
-using LampPlaces = std::array<Eigen::Vector2d, 2>;
 
 constexpr char kByHand[] =
     "turn the arm by hand to where both lamps are in view, well inside its limits and workspace, "
@@ -50,6 +50,33 @@ LampPlaces seen_places(LampTipSensor& sensor, const VisionCalibration& vision) {
 
 Eigen::Vector2d middle_of(const LampPlaces& lamps) {
   return 0.5 * (lamps[0] + lamps[1]);
+}
+
+/// A posture that the lamps in a picture allow.
+struct PostureCandidate {
+  Joints theta{0.0, 0.0, 0.0};  ///< with every motor on the turn within its limits nearest to home
+  Elbow elbow{Elbow::kLeft};
+  bool exchanged{false};  ///< the first of the lamps seen is lamp 2
+};
+
+/// Returns the postures of an arm whose lamps are at these places, in any order: both elbows, and
+/// both orders of the lamps (theory section 20), where turns of the motors bring them within their
+/// limits.
+std::vector<PostureCandidate> posture_candidates(const CalibratedCell& cell,
+                                                 const LampPlaces& lamps_B) {
+  std::vector<PostureCandidate> candidates;
+  for (const bool exchanged : {false, true}) {
+    const TipPose tip = tip_from_places({lamps_B[exchanged ? 1 : 0], lamps_B[exchanged ? 0 : 1]},
+                                        cell.vision->tool);
+    for (const Elbow elbow : {Elbow::kLeft, Elbow::kRight}) {
+      const InverseResult inverse = cell.planner.arm().inverse(tip, elbow, cell.settings.arm.home);
+      if (inverse.status != ReachStatus::kOk) continue;
+      const auto theta = cell.planner.transmission().branch_within_limits(
+          inverse.theta, cell.settings.arm.home, {});
+      if (theta) candidates.push_back({*theta, elbow, exchanged});
+    }
+  }
+  return candidates;
 }
 
 class SightHoming {
@@ -91,14 +118,13 @@ class SightHoming {
     moves.reserve(left_.size());
     for (const PostureCandidate& c : left_)
       moves.emplace_back(middle_at(turned(c.theta, motor, sign * turn)) - middle_at(c.theta));
-    constexpr int kMostTurns = 8;  // there and back again
     Eigen::Vector2d sum(0.0, 0.0);
     for (int n = 1;; ++n) {
       const double sense = n % 2 == 1 ? 1.0 : -1.0;
       const Eigen::Vector2d before = middle_of(seen_);
       move(motor, sense * sign * turn);
       sum += sense * (middle_of(seen_) - before);
-      if (keeps_those_that_moved(moves, sum / n, n, property, what, n == kMostTurns)) return;
+      if (keeps_those_that_moved(moves, sum / n, n, property, what)) return;
     }
   }
 
@@ -128,8 +154,7 @@ class SightHoming {
     robot_.set_joints(left_.front().theta);
     for (PostureCandidate& candidate : left_)
       candidate.theta = turned(candidate.theta, motor, turn);
-    spdlog::info(
-        fmt::format("homing by sight: motor {} turns by {:.1f} deg", motor + 1, turn / kDegree));
+    spdlog::info("homing by sight: motor {} turns by {:.1f} deg", motor + 1, turn / kDegree);
     go_to(left_.front().theta);
     seen_ = seen_places(sensor_, *cell_.vision);
   }
@@ -139,7 +164,8 @@ class SightHoming {
   template <typename Property>
   bool keeps_those_that_moved(const std::vector<Eigen::Vector2d>& moves,
                               const Eigen::Vector2d& seen, int n, const Property& property,
-                              const char* what, bool is_last) {
+                              const char* what) {
+    constexpr int kMostTurns = 8;  // there and back again
     // A gear may turn by this share more or less within a small angle.
     constexpr double kGearShare = 0.05, kSigmas = 4.0;
     // Of a move: looks of moving air, and two stops of the arm as it was found, or of one whose
@@ -163,7 +189,7 @@ class SightHoming {
       left_ = std::move(kept);
       return true;
     }
-    if (is_last)
+    if (n == kMostTurns)
       throw WorkError({fmt::format("homing by sight leaves a doubt about {}: the lamps moved by "
                                    "{:.3f} mm, {:.3f} mm from what one posture says and {:.3f} mm "
                                    "from what another does, where {:.3f} mm would tell",
@@ -232,27 +258,6 @@ std::string turns_text(const CalibratedCell& cell, const Joints& theta) {
   return text;
 }
 
-}  // namespace
-
-std::vector<PostureCandidate> posture_candidates(const CalibratedCell& cell,
-                                                 const std::array<Eigen::Vector2d, 2>& lamps_B) {
-  std::vector<PostureCandidate> candidates;
-  for (const bool exchanged : {false, true}) {
-    const TipPose tip = tip_from_places({lamps_B[exchanged ? 1 : 0], lamps_B[exchanged ? 0 : 1]},
-                                        cell.vision->tool);
-    for (const Elbow elbow : {Elbow::kLeft, Elbow::kRight}) {
-      const InverseResult inverse = cell.planner.arm().inverse(tip, elbow, cell.settings.arm.home);
-      if (inverse.status != ReachStatus::kOk) continue;
-      const auto theta = cell.planner.transmission().branch_within_limits(
-          inverse.theta, cell.settings.arm.home, {});
-      if (theta) candidates.push_back({*theta, elbow, exchanged});
-    }
-  }
-  return candidates;
-}
-
-namespace {
-
 /// Returns the joints at which the arm is seen, by the arm as it was found where it was.
 Joints joints_seen(const CalibratedCell& cell, const PostureCandidate& posture,
                    LampTipSensor& sensor) {
@@ -281,7 +286,7 @@ void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor
            "if these are the turns on which the motors stand, start with --nearest-turn (by hand: "
            "home nearest-turn)"});
     robot.set_joints(theta);
-    spdlog::info(fmt::format("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " ")));
+    spdlog::info("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " "));
   } catch (...) {
     robot.forget_position();  // what was set on the way is a guess
     throw;

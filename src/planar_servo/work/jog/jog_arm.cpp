@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -114,14 +113,13 @@ std::string JogArm::go_to(const TargetRow& target) {
   const JointPlan plan = planner_.plan(pose, commanded());
   if (plan.refusal) throw InputError(*plan.refusal);
   const ApproachWay way = approach_way(planner_, cell_.servo, commanded(), plan.theta);
+  if (way.refusal) throw InputError(*way.refusal);
   announce_(way.barred ? fmt::format("the arm goes round to {} by {} stops, since {}", target.id,
-                                     way.stops.size(), *way.barred)
+                                     way.stops.size() - 1, *way.barred)
                        : fmt::format("the arm moves to {}: about {:.0f} s", target.id,
                                      std::ceil(duration_s(plan.theta))));
-  if (const auto obstacle = arrive(robot_, planner_, cell_.servo, plan.theta, guard())) {
-    if (obstacle->refused) throw InputError(obstacle->reason);
+  if (const auto obstacle = arrive_by(way, robot_, guard()))
     throw WorkError(obstacle->reason + "; the arm has stopped at " + where());
-  }
   return planner_.found() ? "by the arm that was found" : "by the links of the cell file";
 }
 

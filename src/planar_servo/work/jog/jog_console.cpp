@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string_view>
@@ -17,6 +16,7 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/csv_table.h"
 #include "planar_servo/work/homing/sight_homing.h"
+#include "planar_servo/work/workpiece/work_watch.h"
 
 namespace planar {
 namespace {
@@ -34,10 +34,6 @@ std::string text_of(const std::filesystem::path& path) {
   return text;
 }
 
-bool lacks_phi(const std::string& header) {
-  return split_fields(header) == std::vector<std::string_view>{"id", "x_mm", "y_mm"};
-}
-
 /// `has_phi` becomes false for a table without directions.
 std::vector<TargetRow> targets_in(const std::filesystem::path& path, bool& has_phi) {
   TargetLines lines(path.string());
@@ -53,9 +49,10 @@ std::vector<TargetRow> targets_in(const std::filesystem::path& path, bool& has_p
       if (!lines.has_columns()) throw;
       for (const Refusal& refusal : e.refusals()) faults.add(refusal);
     }
-    if (lines.has_columns() && !had_columns) has_phi = !lacks_phi(line);
-    if (lines.has_columns() && !had_columns && has_phi &&
-        split_fields(line) != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
+    if (had_columns || !lines.has_columns()) continue;
+    const std::vector<std::string_view> header = split_fields(line);
+    has_phi = header != std::vector<std::string_view>{"id", "x_mm", "y_mm"};
+    if (has_phi && header != std::vector<std::string_view>{"id", "x_mm", "y_mm", "phi_deg"})
       throw InputError(
           {fmt::format("the header is '{}'; targets can only be added below id,x_mm,y_mm,phi_deg",
                        line),
@@ -203,10 +200,6 @@ std::string JogConsole::perform(const GoCommand& command) {
                      fixed(arm_.commanded() / kDegree, 3, " "));
 }
 
-std::string JogConsole::perform(const WhereCommand& /*command*/) {
-  return arm_.where();
-}
-
 std::string JogConsole::perform(const LookCommand& /*command*/) {
   announce_look(sensor_ ? cell_.settings.servo.frames_per_measurement : 0);
   std::string text = read_exposure(lamps_.whole_frame().image).text();
@@ -217,16 +210,12 @@ std::string JogConsole::perform(const LookCommand& /*command*/) {
   if (!seen.ok()) return text + "\nthe tool is not measured: " + seen.word;
   return text + fmt::format("\nend point seen at {} +- {:.4f} mm{}", place_mm(seen.tip.p),
                             mm(seen.uncertainty_m),
-                            lamps_.vision()->error_map ? "" : ", without an error map");
+                            cell_.vision->error_map ? "" : ", without an error map");
 }
 
 std::string JogConsole::perform(const FindCommand& /*command*/) {
   announce_look(0);
   return lamps_.find();
-}
-
-std::string JogConsole::perform(const FocusCommand& /*command*/) {
-  return lamps_.focus();
 }
 
 std::string JogConsole::perform(const SaveCommand& command) {
@@ -237,9 +226,7 @@ std::string JogConsole::perform(const SaveCommand& command) {
   announce_look(0);
   const Frame frame = lamps_.whole_frame();
   constexpr int kFast = 1;  // of 9; a higher one costs seconds and saves a few per cent
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", frame.image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kFast});
-  write_file(file, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  write_picture(file, frame.image, {cv::IMWRITE_PNG_COMPRESSION, kFast});
   return fmt::format("{}: the whole frame of {} x {} px", file.string(), frame.image.cols,
                      frame.image.rows);
 }

@@ -62,10 +62,10 @@ class JogConsole {
   std::string perform(const TurnCommand& command);
   std::string perform(const StepCommand& command);
   std::string perform(const GoCommand& command);
-  std::string perform(const WhereCommand& command);
+  std::string perform(const WhereCommand& /*command*/) { return arm_.where(); }
   std::string perform(const LookCommand& command);
   std::string perform(const FindCommand& command);
-  std::string perform(const FocusCommand& command);
+  std::string perform(const FocusCommand& /*command*/) { return lamps_.focus(); }
   std::string perform(const SaveCommand& command);
   std::string perform(const ExposeCommand& command);
   std::string perform(const TeachCommand& command);

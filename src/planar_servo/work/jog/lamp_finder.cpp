@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/lamps/blob.h"
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/loop/vision/lamp_tip_sensor.h"
 #include "planar_servo/loop/vision/reference_lamps.h"
@@ -24,52 +23,21 @@ constexpr int kLeastPeak = 128;  // below this, half of the grey levels are unus
 /// The share of lit pixels that may be saturated. Lamps are measured by their edges, which clipping
 /// at the top leaves alone; a larger share says that the edges are clipped soon.
 constexpr double kMostSaturated = 0.02;
-constexpr std::size_t kHotPixels = 20;
+constexpr int kHotPixels = 20;
 constexpr int kBarWidth = 32;
 
-using Histogram = std::array<std::size_t, 256>;
-
-Histogram histogram_of(const cv::Mat& image) {
-  Histogram counts{};
-  for (int row = 0; row < image.rows; ++row) {
-    const auto* pixel = image.ptr<unsigned char>(row);
-    for (int column = 0; column < image.cols; ++column) ++counts[pixel[column]];
-  }
-  return counts;
+LevelHistogram levels_of(const cv::Mat& image) {
+  LevelHistogram levels;
+  for (int row = 0; row < image.rows; ++row)
+    levels.add(image.ptr<unsigned char>(row), image.ptr<unsigned char>(row) + image.cols);
+  return levels;
 }
 
 /// Returns the highest level that more than `n` pixels reach.
-int level_reached(const Histogram& counts, std::size_t n) {
-  std::size_t above = 0;
-  for (int level = kWhite; level > 0; --level) {
-    above += counts[static_cast<std::size_t>(level)];
-    if (above > n) return level;
-  }
-  return 0;
-}
-
-/// Two lamps alike cannot be told apart, but their places are known.
-bool is_measured(const LampPair& pair) {
-  return pair.status == LampStatus::kOk || pair.status == LampStatus::kAmbiguous;
-}
-
-/// Returns whether there are two patches of light, measured or not.
-bool is_located(const LampPair& pair) {
-  return pair.lamps[0].diameter_px > 0.0 && pair.lamps[1].diameter_px > 0.0;
-}
-
-/// Returns whether these are only the most evident of more than two lights.
-bool is_choice(const LampPair& pair) {
-  return pair.lamps[0].status == LampStatus::kAmbiguous;
-}
-
-std::string widths_of(const LampPair& pair) {
-  return fmt::format("{:.1f} and {:.1f} px wide", pair.lamps[0].diameter_px,
-                     pair.lamps[1].diameter_px);
-}
-
-Eigen::Vector2d middle_of(const LampPair& pair) {
-  return 0.5 * (pair.lamps[0].uv_px + pair.lamps[1].uv_px);
+int level_reached(const LevelHistogram& levels, int n) {
+  int level = kWhite;
+  while (level > 0 && levels.count(level, kWhite) <= n) --level;
+  return level;
 }
 
 /// Returns how wide a lamp's edge is, from a fifth to four fifths of its contrast: as many pixels
@@ -112,40 +80,33 @@ std::string ExposureReading::text() const {
 }
 
 ExposureReading read_exposure(const cv::Mat& image) {
-  const Histogram counts = histogram_of(image);
+  const LevelHistogram levels = levels_of(image);
   ExposureReading reading;
-  reading.peak_level = level_reached(counts, kHotPixels);
-  const int median = level_reached(counts, image.total() / 2);
-  std::size_t lit = 0;
-  for (int level = (median + reading.peak_level) / 2 + 1; level <= kWhite; ++level)
-    lit += counts[static_cast<std::size_t>(level)];
-  if (lit > 0)
-    reading.saturated_share = static_cast<double>(counts[kWhite]) / static_cast<double>(lit);
+  reading.peak_level = level_reached(levels, kHotPixels);
+  const int median = level_reached(levels, static_cast<int>(image.total() / 2));
+  const int lit = levels.count((median + reading.peak_level) / 2 + 1, kWhite);
+  if (lit > 0) reading.saturated_share = 1.0 * levels.count(kWhite, kWhite) / lit;
   return reading;
 }
 
 namespace {
 
-/// Returns the level that half of the counts from `first` on reach.
-int median_from(const Histogram& counts, std::size_t first, std::size_t end) {
-  const std::size_t all =
-      std::accumulate(counts.begin() + static_cast<std::ptrdiff_t>(first),
-                      counts.begin() + static_cast<std::ptrdiff_t>(end), std::size_t{0});
-  std::size_t below = 0, level = first;
-  while (level + 1 < end && below + counts[level] <= all / 2) below += counts[level++];
-  return static_cast<int>(level);
+/// Returns the level that half of the counts from `first` on reach; 0 without any.
+int median_from(const LevelHistogram& levels, int first, int end) {
+  const int all = levels.count(first, end - 1), half = all / 2;
+  if (all == 0) return 0;
+  int level = first;
+  while (level + 1 < end && levels.count(first, level) <= half) ++level;
+  return level;
 }
 
-std::string bars_of(const Histogram& counts, std::size_t pixels) {
-  constexpr std::size_t kLevelsABar = 16;
+std::string bars_of(const LevelHistogram& levels, int pixels) {
+  constexpr int kLevelsABar = 16;
   constexpr const char* kBars[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   std::string bars;
-  for (std::size_t first = 0; first < counts.size(); first += kLevelsABar) {
-    std::size_t in_bar = 0;
-    for (std::size_t i = first; i < first + kLevelsABar; ++i) in_bar += counts[i];
-    const double height = in_bar == 0 ? 0.0
-                                      : 1.0 + 7.0 * std::log(static_cast<double>(in_bar)) /
-                                                  std::log(static_cast<double>(pixels));
+  for (int first = 0; first < kWhite; first += kLevelsABar) {
+    const int in_bar = levels.count(first, first + kLevelsABar - 1);
+    const double height = in_bar == 0 ? 0.0 : 1.0 + 7.0 * std::log(in_bar) / std::log(pixels);
     bars += kBars[static_cast<std::size_t>(height)];
   }
   return bars;
@@ -154,20 +115,15 @@ std::string bars_of(const Histogram& counts, std::size_t pixels) {
 }  // namespace
 
 LampLevels read_lamp_levels(const cv::Mat& image) {
-  const Histogram counts = histogram_of(image);
-  const auto pixels = image.total();
-  const auto middle = static_cast<std::size_t>(level_reached(counts, pixels / 2) +
-                                               level_reached(counts, kHotPixels)) /
-                          2 +
-                      1;
-  const auto share = [](std::size_t part, std::size_t whole) {
-    return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
-  };
-  const std::size_t around = std::accumulate(
-      counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(middle), std::size_t{0});
-  return {median_from(counts, 0, middle), median_from(counts, middle, counts.size()),
-          share(counts[0], around), share(counts[kWhite], pixels - around),
-          bars_of(counts, pixels)};
+  const LevelHistogram levels = levels_of(image);
+  const auto pixels = static_cast<int>(image.total());
+  const int middle =
+      (level_reached(levels, pixels / 2) + level_reached(levels, kHotPixels)) / 2 + 1;
+  const auto share = [](int part, int whole) { return whole == 0 ? 0.0 : 1.0 * part / whole; };
+  const int around = levels.count(0, middle - 1);
+  return {median_from(levels, 0, middle), median_from(levels, middle, kWhite + 1),
+          share(levels.count(0, 0), around), share(levels.count(kWhite, kWhite), pixels - around),
+          bars_of(levels, pixels)};
 }
 
 std::string LampLevels::remedy() const {
@@ -193,7 +149,7 @@ std::optional<SightedLamps> sight_lamps(const Frame& frame,
   any.fixed_px = fixed_px;
   any.predicted_px = near_px;
   const LampPair pair = LampTracker(CenterMethod::kFast).locate(frame, any);
-  if (!is_located(pair)) return std::nullopt;
+  if (pair.lamps[0].diameter_px <= 0.0 || pair.lamps[1].diameter_px <= 0.0) return std::nullopt;
   return SightedLamps{pair.lamps, {edge_width_px(frame, pair, 0), edge_width_px(frame, pair, 1)}};
 }
 
@@ -206,10 +162,6 @@ LampFinder::LampFinder(LampScene scene, CenterMethod method, FrameSource& camera
   if (scene_.vision) scene_.fixed_px = places_px(scene_.vision->reference_lamps);
 }
 
-PairExpectation LampFinder::expectation() const {
-  return LampPrediction(scene_, std::nullopt).of(std::nullopt);
-}
-
 Frame LampFinder::next_frame(const cv::Rect& region_px) {
   camera_.set_region(region_px);
   FrameResult result = camera_.next_frame();
@@ -218,21 +170,20 @@ Frame LampFinder::next_frame(const cv::Rect& region_px) {
   return std::move(result.frame);
 }
 
-Frame LampFinder::whole_frame() {
-  return next_frame({{}, camera_.sensor_size_px()});
-}
-
 std::string LampFinder::find() {
-  const LampPair pair = LampTracker(method_).locate(whole_frame(), expectation());
-  if (!is_measured(pair))
+  const PairExpectation expected = LampPrediction(scene_, std::nullopt).of(std::nullopt);
+  const LampPair pair = LampTracker(method_).locate(whole_frame(), expected);
+  // Two lamps alike cannot be told apart, but their places are known.
+  if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous)
     throw WorkError({fmt::format("no two lamps in the whole frame: {}", name(pair.status)),
                      "save the frame and look at it (command save)"});
-  middle_px_ = middle_of(pair);
   const auto& [first, second] = pair.lamps;
-  std::string text =
-      fmt::format("{} at ({}) and ({}) px, {}",
-                  is_choice(pair) ? "more than two lights, the most evident" : "lamps",
-                  fixed(first.uv_px, 1, ", "), fixed(second.uv_px, 1, ", "), widths_of(pair));
+  middle_px_ = 0.5 * (first.uv_px + second.uv_px);
+  std::string text = fmt::format(
+      "{} at ({}) and ({}) px, {:.1f} and {:.1f} px wide",
+      first.status == LampStatus::kAmbiguous ? "more than two lights, the most evident" : "lamps",
+      fixed(first.uv_px, 1, ", "), fixed(second.uv_px, 1, ", "), first.diameter_px,
+      second.diameter_px);
   if (!scene_.vision) return text;
   const Workplane& plane = scene_.vision->workplane;
   const auto first_B = plane.plane_from_pixel(first.uv_px);

@@ -69,7 +69,7 @@ class LampFinder {
   LampFinder(LampScene scene, CenterMethod method, FrameSource& camera, int follow_region_px);
 
   /// Takes a frame of the whole sensor. Throws WorkError when the camera delivers none.
-  Frame whole_frame();
+  Frame whole_frame() { return next_frame({{}, camera_.sensor_size_px()}); }
 
   /// Searches a whole frame and returns in words where the lamps are: in the picture and, once the
   /// workplane is calibrated, on it, uncompensated. Throws WorkError without a frame or a pair.
@@ -82,11 +82,7 @@ class LampFinder {
   /// Lets focus() begin anew with the least width.
   void forget_best() { best_px_.reset(); }
 
-  /// Returns the vision of the scene; empty while it is not calibrated.
-  const std::optional<VisionCalibration>& vision() const { return scene_.vision; }
-
  private:
-  PairExpectation expectation() const;
   Frame next_frame(const cv::Rect& region_px);
   std::optional<SightedLamps> sight(const cv::Rect& region_px);
 

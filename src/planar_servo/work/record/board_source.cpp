@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/offline/grey_image.h"
 #include "planar_servo/report/live/record_view.h"
@@ -68,12 +67,12 @@ bool shows_much_of(const Board& board, const BoardSight& sight) {
   return sight.found() || 2 * sight.dots_in_a_grid > board.points();
 }
 
-}  // namespace
-
-std::string words_of(const Board& board) {
+std::string board_words(const Board& board) {
   return fmt::format("{} x {} {}", board.columns, board.rows,
                      board.has_dots() ? "dots" : "corners");
 }
+
+}  // namespace
 
 BoardGuide::BoardGuide(Purpose plan, const Board& board, const cv::Size& sensor_px,
                        double exposure_s)
@@ -104,7 +103,7 @@ BoardAdvice BoardGuide::look(double t_s, const BoardSight& sight, std::size_t le
 std::string BoardGuide::unseen(const BoardSight& sight) const {
   const std::size_t all = board_.points();
   if (sight.dots_in_a_grid < kFewestDots)
-    return fmt::format("no board of {} in the picture", words_of(board_));
+    return fmt::format("no board of {} in the picture", board_words(board_));
   if (sight.dots_in_a_grid > all)
     return fmt::format("a grid of {} dots seen, the board has {}", sight.dots_in_a_grid, all);
   return fmt::format("{} of {} dots seen, the others outside, covered or blurred",
@@ -197,7 +196,7 @@ void GuidedBoard::begin(const PlanRow& row, Views& views) {
   person_.say(fmt::format(
       "{} of the board of {}{}: {}. Each is taken by itself, or at once on Enter; what is "
       "there when you leave is kept, and the same command continues",
-      more_views(row.plan, views.left), words_of(board_), done,
+      more_views(row.plan, views.left), board_words(board_), done,
       row.plan == Purpose::kLaidBoard
           ? "lay it flat on the plane of motion, and let it lie until it is taken"
           : "hold it still before the camera until it is taken"));
@@ -273,7 +272,7 @@ void GuidedBoard::note_sight(const std::string& id, bool is_seen, const BoardAdv
     warned_ = true;
     person_.warn(
         fmt::format("{}: no whole board of {} seen for {} s: {}; --grid says how many it has", id,
-                    words_of(board_), kUnseen_s, advice.state));
+                    board_words(board_), kUnseen_s, advice.state));
   }
   if (now_s - seen_s_ > kBoardPatience_s)
     throw WorkError(

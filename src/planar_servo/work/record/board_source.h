@@ -70,9 +70,6 @@ class BoardGuide {
   std::optional<Offer> offer_;  ///< a view that is held up although it shows nothing missing
 };
 
-/// Returns the board in words: "11 x 11 dots".
-std::string words_of(const Board& board);
-
 /// Takes the views of the calibration board that a plan asks for.
 class BoardSource {
  public:
@@ -109,8 +106,8 @@ class PresentedBoard final : public BoardSource {
 };
 
 /// Views of a board that a person holds before the camera or lays on the plane. The person is told
-/// what is missing, sees on the display what the camera sees, and each view is
-/// taken by itself, or at once by Enter.
+/// what is missing and sees on the display what the camera sees; each view is taken by itself, or
+/// at once by Enter.
 class GuidedBoard final : public BoardSource {
  public:
   /// `present` are the ids that the request's recording holds; the board is found in their images

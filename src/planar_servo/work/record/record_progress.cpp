@@ -15,11 +15,6 @@ namespace {
 
 constexpr double kBetweenLines_s = 60.0;
 
-/// "15 views of the board"; one word of two for one.
-std::string counted(std::size_t count, const char* one, const char* more) {
-  return fmt::format("{} {}", count, count == 1 ? one : more);
-}
-
 }  // namespace
 
 RecordProgress::RecordProgress(const RecordRequest& request, const std::vector<Joints>& joints,
@@ -84,7 +79,7 @@ std::string RecordProgress::left_text() const {
     if (its.timed > 0)
       seconds += its.seconds / static_cast<double>(its.timed) * static_cast<double>(left);
     else if (left > 0)
-      parts.push_back(counted(left, one, more));
+      parts.push_back(fmt::format("{} {}", left, left == 1 ? one : more));
   };
   add(Sort::kRead, "place with a reading", "places with a reading");
   add(Sort::kWatched, "place without a reading", "places without a reading");

@@ -3,18 +3,14 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibrated_cell.h"
-#include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
@@ -27,6 +23,7 @@
 #include "planar_servo/work/record/record_progress.h"
 #include "planar_servo/work/record/recording_readings.h"
 #include "planar_servo/work/record/recording_start.h"
+#include "planar_servo/work/workpiece/work_watch.h"
 
 namespace planar {
 namespace {
@@ -36,11 +33,6 @@ namespace fs = std::filesystem;
 constexpr int kLostFrameRetries = 3;
 /// Where the arm parks between the inner (0) and the outer border (1) of the workspace.
 constexpr double kParkingShare = 0.95;
-
-/// Returns whether a person shows the board.
-bool is_guided(const RecordRequest& request, CellDevices& devices) {
-  return devices.board_presenter() == nullptr && request.board;
-}
 
 class Recorder {
  public:
@@ -70,7 +62,7 @@ class Recorder {
         devices_.camera().set_region(full_region());
         return grab();
       });
-    else if (is_guided(request, devices))
+    else if (request.board)
       board_source_ = std::make_unique<GuidedBoard>(request, begun.ids, devices.camera(),
                                                     devices.clock(), person_, display);
     if (!cell_.reference_lamps.empty())
@@ -79,8 +71,6 @@ class Recorder {
 
   /// From now on the tracker asks at the terminal again.
   ~Recorder() { devices_.tracker().ask_of(std::make_shared<Terminal>()); }
-  Recorder(const Recorder&) = delete;
-  Recorder& operator=(const Recorder&) = delete;
 
   /// Records the rows of the plan but those that the recording holds.
   RecordReport run() {
@@ -248,8 +238,7 @@ class Recorder {
   Frame with_lamps(Frame frame, const Eigen::Vector2d& p) {
     std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
     if (!middle && frame.region_px != full_region()) {
-      spdlog::debug(
-          fmt::format("{}: the lamps are not in the region; taking a full frame", place_));
+      spdlog::debug("{}: the lamps are not in the region; taking a full frame", place_);
       devices_.camera().set_region(full_region());
       frame = grab();
       middle = middle_of_lamps(frame);
@@ -284,9 +273,7 @@ class Recorder {
 
   void save(const Frame& frame, const PlanRow& row, Pictures& pictures) {
     const std::string image = fmt::format("images/{}_{}.pgm", row.id, pictures.frames);
-    std::vector<unsigned char> bytes;
-    cv::imencode(".pgm", frame.image, bytes);
-    write_file(folder_ / image, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    write_picture(folder_ / image, frame.image);
     ++pictures.frames;
     if (frame.region_px == full_region()) {
       ++pictures.full_frames;

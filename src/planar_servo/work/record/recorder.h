@@ -71,11 +71,9 @@ struct RecordReport {
 /// arm parks before them. A place without a good reading is repeated or left out as requested; what
 /// is left out, the next run records.
 ///
-/// Throws InputError when rows ask for readings and the cell has no tracker, or for views of a
-/// board that nobody has named, and naming every position out of reach, workspace or joint limits,
-/// and what a recording that was begun has of another plan or cell, before anything moves. Throws
-/// WorkError when the camera or the tracker fails or somebody stops the arm: the arm then rests,
-/// and what is recorded stays.
+/// Throws InputError, before anything moves, as require_tracker(), joints_of_plan(),
+/// begun_recording() and require_board() do, and WorkError when the camera or the tracker fails or
+/// somebody stops the arm: the arm then rests, and what is recorded stays.
 RecordReport record(const RecordRequest& request, CellDevices& devices);
 
 /// Lists what was recorded into `folder`, and how the camera's frames came.

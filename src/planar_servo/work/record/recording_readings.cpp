@@ -6,15 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/files/tables/recording_tables.h"
 
 namespace planar {
-namespace {
-
-constexpr int kAttemptsAtPlace = 3;
-
-}  // namespace
 
 RecordingReadings::RecordingReadings(const RecordRequest& request, const BegunRecording& begun,
                                      Tracker& tracker, GrowingFile& table)
@@ -58,7 +52,8 @@ PlaceEnd RecordingReadings::read_place(const std::string& id, const TipPose& tip
 }
 
 PlaceEnd RecordingReadings::end_of_bad(const std::string& id, const std::string& fault) {
-  spdlog::warn(fmt::format("{}: {}", id, fault));
+  constexpr int kAttemptsAtPlace = 3;
+  spdlog::warn("{}: {}", id, fault);
   attempts_ = id == bad_id_ ? attempts_ + 1 : 1;
   bad_id_ = id;
   if (request_.on_bad_reading == BadReading::kSkip) return PlaceEnd::kSkip;

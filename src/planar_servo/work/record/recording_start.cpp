@@ -9,7 +9,6 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/tracker_table.h"
 
 namespace planar {
@@ -34,11 +33,6 @@ constexpr char kRemedy[] =
 
 /// Pulses are rounded when the arm moves and again when they are compared.
 constexpr int kRoundedPulses = 1;
-
-std::vector<FrameRow> recorded_frames(const fs::path& recording) {
-  if (holds_no_row(recording / "frames.csv", frames_header())) return {};
-  return read_frames(recording);
-}
 
 bool same_pulses(const Pulses& a, const Pulses& b) {
   return (a - b).cwiseAbs().maxCoeff() <= kRoundedPulses;
@@ -87,22 +81,19 @@ void add_sensor(const RecordRequest& request, const FrameRow& first, Faults& fau
        kRemedy, request.recording / "frames.csv"});
 }
 
-void add_monuments(const RecordRequest& request, Faults& faults) {
-  const fs::path file = request.recording / "tracker.csv";
-  if (holds_no_row(file, tracker_header())) return;
-  const std::vector<TrackerRow> rows = read_tracker(file);
-  for (const Monument& monument : request.cell.datum) {
-    if (std::none_of(rows.begin(), rows.end(),
+void add_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
+                   Faults& faults) {
+  if (readings.empty()) return;
+  for (const Monument& monument : request.cell.datum)
+    if (std::none_of(readings.begin(), readings.end(),
                      [&](const TrackerRow& row) { return row.id == monument.id; }))
       faults.add({fmt::format("has no reading of the monument '{}' of this cell", monument.id),
-                  kRemedy, file});
-  }
+                  kRemedy, request.recording / "tracker.csv"});
 }
 
-void find_monuments(const RecordRequest& request, BegunRecording& begun) {
-  const fs::path file = request.recording / "tracker.csv";
-  if (holds_no_row(file, tracker_header())) return;
-  for (const TrackerRow& row : read_tracker(file)) {
+void find_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
+                    BegunRecording& begun) {
+  for (const TrackerRow& row : readings) {
     const bool is_place = std::none_of(request.cell.datum.begin(), request.cell.datum.end(),
                                        [&](const Monument& m) { return m.id == row.id; });
     if (is_place)
@@ -149,16 +140,20 @@ void require_tracker(const RecordRequest& request) {
 
 BegunRecording begun_recording(const RecordRequest& request, const std::vector<Joints>& joints) {
   BegunRecording begun;
-  find_monuments(request, begun);
-  const std::vector<FrameRow> frames = recorded_frames(request.recording);
-  if (frames.empty()) return begun;
+  std::vector<TrackerRow> readings;
+  if (const fs::path file = request.recording / "tracker.csv";
+      !holds_no_row(file, tracker_header()))
+    readings = read_tracker(file);
+  find_monuments(request, readings, begun);
+  if (holds_no_row(request.recording / "frames.csv", frames_header())) return begun;
+  const std::vector<FrameRow> frames = read_frames(request.recording);
   Faults faults;
   add_sensor(request, frames.front(), faults);
-  add_monuments(request, faults);
+  add_monuments(request, readings, faults);
   add_rows(request, joints, frames, faults);
   faults.throw_if_any();
   for (const FrameRow& row : frames) begun.ids.insert(row.id);
-  begun.has_monuments = !holds_no_row(request.recording / "tracker.csv", tracker_header());
+  begun.has_monuments = !readings.empty();
   return begun;
 }
 

@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/loop/health/arm_check.h"
-#include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/vision/see_tool.h"
 #include "planar_servo/work/homing/sight_homing.h"
 
@@ -64,28 +64,6 @@ bool may_be_light(const HealthFinding& finding, double diameter_m) {
       return finding.cost_m < kMostOfDiameter * diameter_m;
   }
 }
-
-/// What stops at the same places show of an arm's scatter, where no file says it.
-class StopRepeats {
- public:
-  void add(const std::vector<Revisit>& before, const std::vector<Revisit>& after) {
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const Eigen::Vector2d moved =
-          0.5 * (after[i].now_B[0] + after[i].now_B[1] - before[i].now_B[0] - before[i].now_B[1]);
-      if (moved.isZero(0.0)) continue;  // it was not visited again
-      squares_m2_ += moved.squaredNorm();
-      coordinates_ += 2.0;
-    }
-  }
-
-  /// Returns it per axis: twice what is seen, since so few stops may show half of it.
-  double scatter_m() const {
-    return coordinates_ > 0.0 ? 2.0 * std::sqrt(0.5 * squares_m2_ / coordinates_) : 0.0;
-  }
-
- private:
-  double squares_m2_{0.0}, coordinates_{0.0};
-};
 
 double repeatability_m(const CellSettings& cell) {
   if (cell.servo.approach == Approach::kOneSide) return kRepeatability_m;
@@ -145,8 +123,8 @@ std::optional<LampPlaces> CellCheck::look() {
   return LampPlaces{seen.lamps_B[0] - seen.correction, seen.lamps_B[1] - seen.correction};
 }
 
-bool CellCheck::allows(const HealthPlace& place) const {
-  return !approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), place.theta);
+bool CellCheck::allows(const Joints& theta) const {
+  return !approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), theta);
 }
 
 std::vector<HealthFinding> CellCheck::light_first(const HealthRecord& record,
@@ -204,9 +182,9 @@ std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
     if (motor >= 0) theta = ways_.with_motor_turned(theta, motor);
     if (motor >= 0 && theta == before)
       spdlog::warn(
-          fmt::format("motor {} cannot be turned here by a quarter of a first move: a wrong "
-                      "direction, gear or limit of it would not be seen",
-                      motor + 1));
+          "motor {} cannot be turned here by a quarter of a first move: a wrong "
+          "direction, gear or limit of it would not be seen",
+          motor + 1);
     if (const auto reason = go_to(theta)) return {without_size(Cause::kNotVisited, *reason)};
     const auto lamps_B = look();
     if (!lamps_B)
@@ -249,14 +227,20 @@ std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) 
     visited_places.push_back(record.places[next]);
   }
   if (revisits.empty()) return {};
-  constexpr int kRounds = 2;  // two stops in a row stray once in some thousand times
-  StopRepeats repeats;
+  constexpr int kRounds = 2;    // two stops in a row stray once in some thousand times
+  std::vector<double> moved_m;  // from stop to stop at the same places
   for (int round = 0; round < kRounds && has_changed(model_, revisits); ++round) {
     const std::vector<Revisit> before = revisits;
     if (auto finding = visit_again(visited_places, revisits)) return {*finding};
-    repeats.add(before, revisits);
-    if (!as_found_.found())
-      for (Revisit& revisit : revisits) revisit.scatter_m = repeats.scatter_m();
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const Eigen::Vector2d moved = 0.5 * (revisits[i].now_B[0] + revisits[i].now_B[1] -
+                                           before[i].now_B[0] - before[i].now_B[1]);
+      if (!moved.isZero(0.0)) moved_m.push_back(moved.norm());  // else it was not visited again
+    }
+    // Where no file says the arm's scatter, it is taken as twice what the stops show per axis,
+    // since so few may show half of it. That is the rms of their distances.
+    if (!as_found_.found() && !moved_m.empty())
+      for (Revisit& revisit : revisits) revisit.scatter_m = rms(moved_m);
     if (auto found = judge_odd_place(visited_places, revisits); !found.empty()) return found;
   }
   // Play that has grown displaces the arm on either side, as a lost zero would.
@@ -274,7 +258,7 @@ std::optional<HealthFinding> CellCheck::visit_again(const std::vector<HealthPlac
   };
   if (way(again.front()) < way(again.back())) std::swap(again.front(), again.back());
   for (const std::size_t index : again) {
-    if (!allows(places[index])) continue;
+    if (!allows(places[index].theta)) continue;
     const auto visited = visit(places[index]);
     if (const auto* finding = std::get_if<HealthFinding>(&visited)) return *finding;
     revisits[index] = std::get<Revisit>(visited);
@@ -283,8 +267,7 @@ std::optional<HealthFinding> CellCheck::visit_again(const std::vector<HealthPlac
 }
 
 std::optional<Eigen::Vector2d> CellCheck::seen_beside(const Joints& theta) {
-  if (approach_refusal(planner_, cell_.servo, robot_.commanded_joints(), theta) || go_to(theta))
-    return std::nullopt;
+  if (!allows(theta) || go_to(theta)) return std::nullopt;
   const TipPose expected = as_found_.reached(robot_.commanded_joints());
   const TipMeasurement seen = measure(expected, cell_.servo.frames_per_measurement);
   if (!seen.ok()) return std::nullopt;
@@ -341,7 +324,7 @@ std::vector<HealthFinding> CellCheck::play_now(const std::vector<HealthPlace>& p
   std::vector<HealthFinding> here = play_here(revisits);
   if (here.empty() || places.size() < 2) return here;
   const auto way = [&](const HealthPlace& place) {
-    return allows(place) ? (place.theta - robot_.commanded_joints()).norm() : -1.0;
+    return allows(place.theta) ? (place.theta - robot_.commanded_joints()).norm() : -1.0;
   };
   const auto elsewhere =
       std::max_element(places.begin(), places.end(),
@@ -386,34 +369,23 @@ GuardLimits with_health(GuardLimits limits, const HealthRecord& record) {
   return limits;
 }
 
-namespace {
-
-constexpr std::size_t kFirstStops = 4;  // the start, and one for each motor
-
-/// With the last place once more, from the other side.
-std::size_t stops_of(const HealthRecord& record) {
-  return record.places.size() + 1;
-}
-
-}  // namespace
-
 std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<HealthRecord>& record) {
   const std::string visits =
       record ? fmt::format(", then the arm visits {} places of the calibration once more",
                            record->places.size())
              : "";
-  spdlog::info(
-      fmt::format("checking the cell: each motor turns a little{}; {}", visits,
-                  about_time(check.expected_s(kFirstStops + (record ? stops_of(*record) : 0)))));
+  // The start and one stop for each motor; then the places, the last from the other side as well.
+  const std::size_t stops = 4 + (record ? record->places.size() + 1 : 0);
+  spdlog::info("checking the cell: each motor turns a little{}; {}", visits,
+               about_time(check.expected_s(stops)));
   std::vector<HealthFinding> found = check.first_moves(record);
   if (!found.empty()) return found;
   return record ? check.revisit(*record) : std::vector<HealthFinding>();
 }
 
 std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record) {
-  spdlog::info(
-      fmt::format("checking the cell again: the arm visits {} places of the calibration; {}",
-                  record.places.size(), about_time(check.expected_s(stops_of(record)))));
+  spdlog::info("checking the cell again: the arm visits {} places of the calibration; {}",
+               record.places.size(), about_time(check.expected_s(record.places.size() + 1)));
   return check.revisit(record);
 }
 
@@ -447,17 +419,16 @@ std::string findings_text(const std::vector<HealthFinding>& findings) {
 nlohmann::ordered_json findings_json(const std::vector<HealthFinding>& findings) {
   auto list = nlohmann::ordered_json::array();
   for (const HealthFinding& finding : findings) {
-    nlohmann::ordered_json entry{{"cause", words(finding.cause)}};
+    nlohmann::ordered_json size, unit;  // null for what has none
     if (std::isfinite(finding.size)) {
-      entry["size"] = finding.size;
-      entry["unit"] = finding.unit;
-    } else {
-      entry["size"] = nullptr;
-      entry["unit"] = nullptr;
+      size = finding.size;
+      unit = finding.unit;
     }
-    entry["usable"] = usable(finding.cause);
-    entry["redo"] = finding.remedy;
-    list.push_back(std::move(entry));
+    list.push_back({{"cause", words(finding.cause)},
+                    {"size", size},
+                    {"unit", unit},
+                    {"usable", usable(finding.cause)},
+                    {"redo", finding.remedy}});
   }
   return {{"healthy", findings.empty()}, {"findings", list}};
 }

@@ -7,7 +7,6 @@
 #include <variant>
 #include <vector>
 
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/hardware/robot/homing.h"
@@ -41,8 +40,8 @@ class CellCheck {
 
   /// Visits the places again that were kept at the calibration, the nearest first, and the last one
   /// from the other side as well. Places that the cell has barred since are left out, and logged.
-  /// Returns the play that is more than half of the approach margin,
-  /// or else what has changed since, light and focus first.
+  /// Returns the play that is more than half of the approach margin, or else what has changed
+  /// since, light and focus first.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
   /// Estimates how long the arm takes to go to so many places, settle and look, seconds, with ways
@@ -87,7 +86,7 @@ class CellCheck {
   /// Throws WorkError unless the camera comes back.
   void wait_for_camera(const std::string& reason) const;
   /// Returns whether the arm may arrive at a place from where it stands.
-  bool allows(const HealthPlace& place) const;
+  bool allows(const Joints& theta) const;
   std::optional<LampPlaces> look();
 
   const CellSettings& cell_;

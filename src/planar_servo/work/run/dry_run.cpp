@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "planar_servo/base/core/text.h"
-#include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/tool/tool_tip.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/loop/servo/motion_guard.h"
@@ -35,10 +34,6 @@ std::string refusal_text(const DryRunRow& row) {
 }
 
 }  // namespace
-
-Eigen::Vector3d CheckWays::first_moves() {
-  return kDegree * Eigen::Vector3d(40.0, 40.0, 60.0);
-}
 
 CheckWays::CheckWays(const CellSettings& cell, Views views)
     : cell_(cell), views_(std::move(views)), planner_(joint_planner(cell)) {}
@@ -203,10 +198,10 @@ std::size_t count_refused(const std::vector<DryRunRow>& rows) {
 std::string dry_run_text(const std::vector<DryRunRow>& rows) {
   std::string text;
   for (const DryRunRow& row : rows)
-    text += row.plan.refusal ? refusal_text(row)
-                             : fmt::format("{}: joints {} deg, pulses {} {} {}\n", row.id,
-                                           fixed(row.plan.theta / kDegree, 4, " "), row.pulses[0],
-                                           row.pulses[1], row.pulses[2]);
+    text += row.plan.refusal
+                ? refusal_text(row)
+                : fmt::format("{}: joints {} deg, pulses {}\n", row.id,
+                              fixed(row.plan.theta / kDegree, 4, " "), fmt::join(row.pulses, " "));
   return text;
 }
 
@@ -240,11 +235,6 @@ constexpr double kNearAxes_m = 1.0 * kMillimetre;
 /// A full turn in radians is a little less.
 constexpr double kRadiansOfTurn = 6.3;
 
-bool is_whole(double number) {
-  constexpr double kWrittenDigit = 1e-6;
-  return std::abs(number - std::round(number)) < kWrittenDigit;
-}
-
 std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
                                        const Workspace& workspace) {
   double farthest_m = 0.0;
@@ -259,13 +249,14 @@ std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
 }
 
 std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets) {
+  constexpr double kWrittenDigit = 1e-6;
   double largest = 0.0;
   bool any_broken = false;
   for (const TargetRow& target : targets) {
     const double number = target.phi_d.value_or(0.0) / kDegree;
     if (std::abs(number) >= kRadiansOfTurn) return std::nullopt;
     largest = std::max(largest, std::abs(number));
-    any_broken = any_broken || !is_whole(number);
+    any_broken = any_broken || std::abs(number - std::round(number)) >= kWrittenDigit;
   }
   if (!any_broken) return std::nullopt;
   return Refusal{fmt::format("phi_deg is at most {:g} in every row; radians would be such numbers, "

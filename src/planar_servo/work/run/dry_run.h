@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/target_table.h"
 #include "planar_servo/geometry/arm/joint_planner.h"
@@ -30,7 +31,7 @@ class CheckWays {
  public:
   /// The first moves of motors 1 to 3, in which a gear that is off by 0.5 % shows beside the
   /// reducers' eccentricity, radians.
-  static Eigen::Vector3d first_moves();
+  static Eigen::Vector3d first_moves() { return kDegree * Eigen::Vector3d(40.0, 40.0, 60.0); }
 
   /// Says whether the lamps of a tool at this pose can be in the camera's view.
   using Views = std::function<bool(const TipPose&)>;

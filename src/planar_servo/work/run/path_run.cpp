@@ -9,12 +9,8 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/loop/servo/motion_guard.h"
-#include "planar_servo/loop/servo/path/path_follower.h"
-#include "planar_servo/work/run/run_files.h"
 
 namespace planar {
 namespace {
@@ -23,15 +19,10 @@ std::optional<PathErrors> errors_of(std::vector<double> across_m,
                                     const std::vector<double>& lag_m) {
   if (across_m.empty()) return std::nullopt;
   for (double& length : across_m) length = std::abs(length);
-  PathErrors errors;
-  errors.across_m = summarize(across_m);
-  errors.lag_mean_m = mean(lag_m);
+  PathErrors errors{summarize(across_m), mean(lag_m)};
   for (const double lag : lag_m) errors.lag_max_m = std::max(errors.lag_max_m, std::abs(lag));
   return errors;
 }
-
-/// The error map is smooth over this length of a path, metres.
-constexpr double kMapStep_m = 5e-3;
 
 /// Returns the devices of a cell that can follow a path.
 CellDevices& able_to_follow(CellDevices& devices, const CellSettings& cell) {
@@ -123,6 +114,7 @@ std::vector<PathDemand> require_followable(const CalibratedCell& cell, const Pat
 
 void require_inside_map(const VisionCalibration& vision, const PathRequest& request) {
   if (!vision.error_map) return;
+  constexpr double kMapStep_m = 5e-3;  // along a path; the map is smooth over this length
   for (double along_m = 0.0; along_m < request.path.length_m(); along_m += kMapStep_m) {
     const TipPose pose = request.path.at(along_m).pose;
     if (predict_error_at(vision, pose).inside) continue;
@@ -140,9 +132,7 @@ PathRun::PathRun(const ServoRequest& request, const PathRequest& path, CellDevic
       truth_(devices.truth()),
       keep_going_(request.accepted.doubts),
       cell_(request, able_to_follow(devices, request.cell->settings)),
-      works_(request.works ? std::make_optional<WorkWatch>(*request.works, *request.cell->vision,
-                                                           devices.camera(), devices.clock())
-                           : std::nullopt),
+      works_(request.works, *request.cell->vision, devices.camera(), devices.clock()),
       follower_(cell_.settings().servo, cell_.limits(), cell_.planner(), cell_.robot(),
                 cell_.sensor(), devices.clock(),
                 {1.0 / cell_.settings().camera.frame_rate_hz, devices.camera().exposure().time_s}),
@@ -162,7 +152,7 @@ const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   if (const auto unwell = cell_.examine_if_due(); unwell && !unwell->empty())
     throw WorkError(*unwell);
   if (results_.empty())
-    if (const std::string moved = work_finding(); !moved.empty()) throw WorkError(moved);
+    if (const std::string moved = works_.examine(); !moved.empty()) throw WorkError(moved);
   const std::size_t first = looks_.size();
   const PathTiming timing(path_.path, speed_m_s);
   const PathResult outcome = follow_timed(timing, speed_m_s, guidance);
@@ -173,7 +163,7 @@ const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   result.reason = outcome.reason;
   result.seconds = outcome.duration_s;
   if (result.status == ServoStatus::kReached)
-    if (const std::string moved = work_finding(); !moved.empty()) {
+    if (const std::string moved = works_.examine(); !moved.empty()) {
       result.status = ServoStatus::kDoubted;
       result.reason = moved;
     }
@@ -224,8 +214,8 @@ std::optional<PathResult> PathRun::find_play() {
     spdlog::warn("the play could not be measured at the path's beginning: " + probe.unknown);
     return std::nullopt;
   }
-  spdlog::info(fmt::format("the play of motors 1 and 2 is {:.4f} and {:.4f} deg",
-                           play_rad_->x() / kDegree, play_rad_->y() / kDegree));
+  spdlog::info("the play of motors 1 and 2 is {:.4f} and {:.4f} deg", play_rad_->x() / kDegree,
+               play_rad_->y() / kDegree);
   follower_.set_play(*play_rad_);
   return std::nullopt;
 }
@@ -240,8 +230,7 @@ bool follow_path(PathRun& run, const PathRequest& path,
       if (passed) passed(result);
       if (result.status == ServoStatus::kReached) continue;
       reached = false;
-      spdlog::error(
-          fmt::format("at {:g} mm/s: {}: {}", mm(speed_m_s), name(result.status), result.reason));
+      spdlog::error("at {:g} mm/s: {}: {}", mm(speed_m_s), name(result.status), result.reason);
     }
   return reached;
 }

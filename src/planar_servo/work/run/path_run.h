@@ -44,8 +44,8 @@ class PathRun {
   /// Is called at every look. It must not take long.
   using Observer = std::function<void(const PathLookRow&)>;
 
-  /// Switches the drives on. Throws as ServoRun() does, and InputError when the folder holds a run.
-  /// `observer` may be empty.
+  /// Switches the drives on. `observer` may be empty. Throws as ReadyCell does, and InputError when
+  /// the folder holds a run or another program writes there.
   PathRun(const ServoRequest& request, const PathRequest& path, CellDevices& devices,
           Observer observer = {});
   /// Does what ~ServoRun() does.
@@ -65,8 +65,6 @@ class PathRun {
 
  private:
   PathResult follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance);
-  /// Returns what is wrong with the work on which the path lies; empty where nothing is.
-  std::string work_finding() { return works_ ? works_->examine() : ""; }
   /// Brings the end point to the path's beginning. Returns why it is not there, if it is not.
   std::optional<PathResult> go_to_beginning(const PathDemand& demand, Guidance guidance);
   /// Measures the play, which is compensated from now on. Returns why the arm is not back at the
@@ -80,7 +78,7 @@ class PathRun {
   std::optional<std::string> ended_by_;
   std::optional<Eigen::Vector3d> play_rad_;  ///< once it was measured
   ReadyCell cell_;
-  std::optional<WorkWatch> works_;  ///< none where the path lies on no work
+  WorkWatch works_;
   PathFollower follower_;
   RunFolder folder_;
   FolderLock lock_;

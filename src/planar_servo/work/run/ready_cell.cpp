@@ -1,6 +1,5 @@
 #include "planar_servo/work/run/ready_cell.h"
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <exception>
@@ -12,9 +11,7 @@
 #include "planar_servo/base/core/threads.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/arm_file.h"
-#include "planar_servo/files/provenance.h"
 #include "planar_servo/loop/servo/motion_guard.h"
-#include "planar_servo/loop/vision/found_landings.h"
 #include "planar_servo/loop/vision/see_tool.h"
 #include "planar_servo/work/homing/sight_homing.h"
 #include "planar_servo/work/run/cell_check.h"
@@ -23,7 +20,6 @@ namespace planar {
 namespace {
 
 constexpr double kKeepEvery_s = 600.0;
-constexpr char kLearner[] = "planar-servo";
 /// Places across the workspace whose postures are tried as centres of Gaussians, closer together
 /// than these are wide.
 constexpr double kPlacesAcross = 24.0;
@@ -128,7 +124,7 @@ ArmMemory::~ArmMemory() {
   try {
     keep();
   } catch (const std::exception& error) {
-    spdlog::error(fmt::format("what was learned of the arm is lost: {}", error.what()));
+    spdlog::error("what was learned of the arm is lost: {}", error.what());
   }
 }
 
@@ -142,7 +138,7 @@ void ArmMemory::keep_if_due(double now_s) {
 void ArmMemory::keep() {
   const ArmLearner& learner = landings_.learner();
   if (learner.lessons() == kept_lessons_) return;
-  write_file(file_, learned_arm_text(learner.learned(), origins_, kLearner));
+  write_file(file_, learned_arm_text(learner.learned(), origins_, "planar-servo"));
   kept_lessons_ = learner.lessons();
 }
 
@@ -190,10 +186,6 @@ void ReadyCell::home() {
                     [&] { home_by_sight(*cell_, robot_, sensor_, may_home_); });
 }
 
-bool ReadyCell::has_moved_on() const {
-  return begun_at_ && robot_.known_pulses() != *begun_at_;
-}
-
 std::optional<std::string> ReadyCell::examine_at_end() {
   if (!was_examined_s_ago(kWorthALook_s)) return std::nullopt;
   return examine();
@@ -220,11 +212,10 @@ std::string ReadyCell::examine() {
   if (health)
     for (const HealthPlace& place : health->places)
       places.push_back(planner().arm().forward(place.theta).p);
-  const auto tell = [this](const auto& what) {
-    if (checking_) checking_(what);
-  };
-  tell(std::optional(places));
-  const AtEnd told([&] { tell(std::nullopt); });
+  if (checking_) checking_(places);
+  const AtEnd told([this] {
+    if (checking_) checking_(std::nullopt);
+  });
   int recoveries_left = kMaxDriveRecoveries;
   const std::vector<HealthFinding> found = with_drives(kChecking, recoveries_left, [&] {
     return first ? check_cell(check, health) : check_again(check, *health);
@@ -252,7 +243,7 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   robot_.throw_if_stopped();
-  spdlog::warn(fmt::format("{}: {}; the arm stands and waits", id, reason));
+  spdlog::warn("{}: {}; the arm stands and waits", id, reason);
   try {
     robot_.recover(kDrivePatience_s);
     home();
@@ -261,7 +252,7 @@ void ReadyCell::recover_drives(const std::string& id, const std::string& reason)
     both.fault = reason + "; " + both.fault;
     throw DriveError(both);
   }
-  spdlog::info(fmt::format("{}: the drives are ready again; resuming", id));
+  spdlog::info("{}: the drives are ready again; resuming", id);
 }
 
 bool ReadyCell::wait_for_camera(const std::string& id, const std::string& reason,

@@ -14,7 +14,6 @@
 #include "planar_servo/hardware/robot/homing.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
 #include "planar_servo/loop/health/cause.h"
-#include "planar_servo/loop/health/health_record.h"
 #include "planar_servo/loop/servo/position_servo.h"
 #include "planar_servo/loop/vision/found_landings.h"
 #include "planar_servo/loop/vision/lamp_tip_sensor.h"
@@ -126,7 +125,7 @@ class ReadyCell {
   /// is not well at first.
   std::optional<std::string> examine_if_due();
   /// Returns whether the arm was moved since the first of these checks. Homing counts.
-  bool has_moved_on() const;
+  bool has_moved_on() const { return begun_at_ && robot_.known_pulses() != *begun_at_; }
   /// The same as examine_if_due() once the work is done, if the last check was more than a minute
   /// ago.
   std::optional<std::string> examine_at_end();
@@ -143,8 +142,18 @@ class ReadyCell {
   /// Makes one attempt at what `id` names, and makes it again after a drive that failed is back,
   /// but at most `recoveries_left` times.
   template <typename Attempt>
-  auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
-      -> decltype(attempt());
+  auto with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt) {
+    while (true) {
+      try {
+        return attempt();
+      } catch (const StoppedByHand&) {
+        throw;
+      } catch (const DriveError& error) {
+        if (recoveries_left-- == 0) throw;
+        recover_drives(id, error.what());
+      }
+    }
+  }
   /// As the function of this name in servo/motion_guard.h does.
   bool wait_for_camera(const std::string& id, const std::string& reason, double deadline_s);
 
@@ -187,20 +196,5 @@ class ReadyCell {
   KeptLandings landings_;
   PositionServo servo_;
 };
-
-template <typename Attempt>
-auto ReadyCell::with_drives(const std::string& id, int& recoveries_left, const Attempt& attempt)
-    -> decltype(attempt()) {
-  while (true) {
-    try {
-      return attempt();
-    } catch (const StoppedByHand&) {
-      throw;
-    } catch (const DriveError& error) {
-      if (recoveries_left-- == 0) throw;
-      recover_drives(id, error.what());
-    }
-  }
-}
 
 }  // namespace planar

@@ -10,7 +10,6 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/cell_file.h"
 
 namespace planar {

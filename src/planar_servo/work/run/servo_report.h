@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,7 +11,6 @@
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/files/tables/result_table.h"
-#include "planar_servo/report/html_page.h"
 #include "planar_servo/report/plot.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/work/run/servo_run.h"
@@ -57,7 +57,7 @@ struct ServoFigures {
   std::optional<FrameCounts> frames;      ///< of the camera; added by whoever has the camera
 
   /// Returns whether truth or tracker judged the run, and not the cell's own vision alone.
-  bool is_judged() const;
+  bool is_judged() const { return before_judged && after_judged; }
   /// Returns the judge's name, `truth` where nobody judged.
   std::string judge() const;
 };
@@ -88,13 +88,8 @@ std::vector<Refusal> run_faults(const ServoFigures& figures, const std::string& 
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
                         TargetError error);
 
-/// Returns the files that a run uses: those of its cell, and what it moves to or along, if that is
-/// a file.
-std::vector<std::filesystem::path> run_inputs(const ServoRequest& request,
-                                              const std::filesystem::path& wanted);
-
-/// Adds what a run used to its run.yaml: its files with their hashes, what was accepted of them,
-/// and the settings of its camera.
+/// Adds what a run used to its run.yaml: the files of its cell and what it moves to or along, if
+/// that is a file, with their hashes, what was accepted of them, and the settings of its camera.
 void add_used(YamlWriter& yaml, const ServoRequest& request, const ReadyCell& cell,
               const std::filesystem::path& wanted);
 
@@ -107,5 +102,11 @@ void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigu
 /// `frames` among them.
 ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,
                           const FrameCounts& frames, const std::filesystem::path& targets);
+
+/// Returns the text of report.html of one run, ended early by `ended_by` unless that is empty: the
+/// verdict and who judged, other figures, the errors as arrows, and a row for each target.
+std::string servo_page(const std::filesystem::path& cell_file, const ServoFigures& figures,
+                       const std::vector<TargetResult>& results,
+                       const std::optional<std::string>& ended_by = {});
 
 }  // namespace planar

@@ -8,7 +8,6 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/files/tables/result_table.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/work/run/dry_run.h"
 
@@ -51,10 +50,6 @@ TargetResult TargetScorer::finish(const ServoResult& last_attempt, double second
   }
   result_.seconds = seconds - judging_s_;
   return result_;
-}
-
-bool TargetScorer::judges_every_look() const {
-  return judge_->kind() == JudgeKind::kTruth;
 }
 
 JudgedTip TargetScorer::judgement() {
@@ -114,9 +109,7 @@ ServoRun::ServoRun(const ServoRequest& request, CellDevices& devices, Observer o
       judge_(devices.truth() ? devices.truth() : request.judge),
       keep_going_(request.accepted.doubts),
       cell_(request, devices),
-      works_(request.works ? std::make_optional<WorkWatch>(*request.works, *request.cell->vision,
-                                                           devices.camera(), devices.clock())
-                           : std::nullopt),
+      works_(request.works, *request.cell->vision, devices.camera(), devices.clock()),
       files_(request.folder.path.empty() ? std::nullopt : std::make_optional<RunFiles>(request)),
       results_(files_ ? files_->begun : std::vector<TargetResult>()),
       results_before_(results_.size()),
@@ -132,8 +125,8 @@ ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
   const TipPose pose = end_point_pose(target, cell_.settings().tool_orientation);
   const auto observer = [&](const ServoStep& step) {
     scorer.observe(step);
-    spdlog::debug(fmt::format("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm",
-                              target.id, step.iteration, mm(step.miss_m()), mm(step.stop_below_m)));
+    spdlog::debug("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm", target.id,
+                  step.iteration, mm(step.miss_m()), mm(step.stop_below_m));
     if (!observer_) return;
     const TipPose& wanted = step.target;
     const LampTipSensor& sensor = cell_.sensor();
@@ -185,9 +178,9 @@ void ServoRun::doubt_what_was_reached() {
 
 std::optional<std::string> ServoRun::finding(bool at_end) {
   std::optional<std::string> unwell = at_end ? cell_.examine_at_end() : cell_.examine_if_due();
-  if ((unwell && !unwell->empty()) || !works_) return unwell;
-  if (!at_end && !unwell && !works_->is_due()) return std::nullopt;
-  std::string moved = works_->examine();
+  if (unwell && !unwell->empty()) return unwell;
+  if (!at_end && !unwell && !works_.is_due()) return std::nullopt;
+  std::string moved = works_.examine();
   if (moved.empty()) {
     work_well_until_ = results_.size();
     return unwell;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -35,7 +34,7 @@ class TargetScorer {
   TargetResult finish(const ServoResult& last_attempt, double seconds);
 
  private:
-  bool judges_every_look() const;
+  bool judges_every_look() const { return judge_->kind() == JudgeKind::kTruth; }
   JudgedTip judgement();
   void take_judgement();
   /// Returns where the judge sees the tip of the target's tool.
@@ -67,21 +66,17 @@ class ServoRun {
   /// Is called at every step. It must not take long.
   using Observer = std::function<void(const ServoSight&)>;
 
-  /// Switches the drives on. `observer` may be empty. Throws InputError when the folder holds a run
-  /// and `resume` is not set, when it holds none, or one begun with other calibration files or
-  /// servo settings, and `resume` is set, when another program writes there, and for calibration
-  /// files that do not belong together unless they are accepted.
+  /// Switches the drives on. `observer` may be empty. Throws as ReadyCell and RunFiles do.
   ServoRun(const ServoRequest& request, CellDevices& devices, Observer observer = {});
   /// When an exception ends the run before the arm was moved to a target, removes what the run has
   /// made: its tables, and the folder where it was not there.
   ~ServoRun();
 
-  /// Checks before the first target, and every ten minutes after it, whether the cell still agrees
-  /// with its files and its calibration; throws WorkError with the findings of the first check.
-  /// Later findings end the run and make all targets doubted that were reached since the cell was
-  /// well; `target` is refused then and has no row. Else moves to the target and returns its
-  /// result. A target that fails has a result like the others. Throws WorkError when a device fails
-  /// for good or somebody stops the arm; all that was done is in the files then.
+  /// Does ReadyCell::examine_if_due() first. Findings after the first check end the run and make
+  /// all targets doubted that were reached since the cell was well; `target` is refused then and
+  /// has no row. Else moves to the target and returns its result. A target that fails has a result
+  /// like the others. Throws WorkError when a device fails for good or somebody stops the arm; all
+  /// that was done is in the files then.
   ///
   /// When the camera fails, the arm stops and waits up to a minute for it, then continues with the
   /// same target, but at most twenty times for one target. It does the same for a drive, which may
@@ -123,8 +118,8 @@ class ServoRun {
   bool keep_going_;
   std::optional<std::string> ended_by_;
   ReadyCell cell_;
-  std::optional<WorkWatch> works_;  ///< none where targets lie on no work
-  std::optional<RunFiles> files_;   ///< none where the request names no folder
+  WorkWatch works_;
+  std::optional<RunFiles> files_;  ///< none where the request names no folder
   std::vector<TargetResult> results_;
   std::size_t results_before_;
   std::size_t well_until_;          ///< number of results when the cell was last found well

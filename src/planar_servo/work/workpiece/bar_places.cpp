@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgcodecs.hpp>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/work/workpiece/work_watch.h"
 #include "planar_servo/workpiece/find_work.h"
 
@@ -39,12 +37,6 @@ std::vector<BarStance> stances_in(const std::vector<Frame>& frames,
     stances.push_back({0.5 * (seen.p_B[0] + seen.p_B[1]), std::atan2(along.y(), along.x())});
   }
   return stances;
-}
-
-void save(const Frame& frame, const fs::path& file) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", frame.image, bytes);
-  write_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace
@@ -90,7 +82,8 @@ std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionC
   const double length = (bar[1].p_W - bar[0].p_W).norm();
   const std::vector<BarStance> stances = bar_stances(workspace.radius_max_m, length, wanted);
   std::vector<BarStance> taken;
-  std::size_t there = bar_pictures(folder).size();
+  std::size_t there = bar_pictures(folder).size(), number = 0;
+  const auto picture = [&] { return folder / fmt::format("bar_{:02}.png", number); };
   while (there < wanted && !stop()) {
     const std::string question = fmt::format(
         "{} of {} pictures of the bar; lay it with {}, then Enter, or end with q: ", there, wanted,
@@ -102,7 +95,8 @@ std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionC
         taken.push_back(stance);
         person.say("the bar is seen with " + words_of(stance));
       }
-      save(frames.front(), folder / fmt::format("bar_{:02}.png", there));
+      while (fs::exists(picture())) ++number;
+      write_picture(picture(), frames.front().image);
       ++there;
     } catch (const WorkError& error) {
       if (!person.is_attended()) throw;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -122,22 +121,12 @@ TextTable mark_table(const FoundWork& work) {
   return table;
 }
 
-/// Returns the greatest deviation per axis that the pose leaves at one of the marks, metres.
-double sigma_at_marks(const FoundWork& work) {
-  double sigma = 0.0;
-  for (const FoundFiducial& mark : work.fiducials)
-    sigma = std::max(sigma, per_axis(work.pose.covariance_at(mark.fiducial.p_W)));
-  return sigma;
-}
-
-double largest_residual(const FoundWork& work) {
-  double largest = 0.0;
-  for (const FoundFiducial& mark : work.fiducials)
-    largest = std::max(largest, mark.residual.norm());
-  return largest;
-}
-
 ReportList list_of(const FoundWork& work) {
+  double largest_residual = 0.0, sigma = 0.0;
+  for (const FoundFiducial& mark : work.fiducials) {
+    largest_residual = std::max(largest_residual, mark.residual.norm());
+    sigma = std::max(sigma, per_axis(work.pose.covariance_at(mark.fiducial.p_W)));
+  }
   ReportList list;
   if (!work.id.empty()) list.line("work", "{work}", work.id);
   list.line("origin", "({origin_mm:.3f}) mm", work.pose.t);
@@ -145,8 +134,8 @@ ReportList list_of(const FoundWork& work) {
   list.line_if(work.pose.map != WorkMap::kRigid, "scale", "{scale:.5f}, by {map}",
                work.pose.scale(), std::string(name_in(kWorkMaps, work.pose.map)));
   list.line("marks", "{marks}, up to {largest_residual_mm:.4f} mm from the fit",
-            work.fiducials.size(), largest_residual(work));
-  list.line("deviation", "{sigma_mm:.4f} mm per axis at the marks", sigma_at_marks(work));
+            work.fiducials.size(), largest_residual);
+  list.line("deviation", "{sigma_mm:.4f} mm per axis at the marks", sigma);
   list.unprinted("chance", work.chance);
   list.unprinted("remarks", work.remarks);
   return list;

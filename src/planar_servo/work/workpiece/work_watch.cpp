@@ -3,35 +3,14 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <opencv2/imgcodecs.hpp>
+
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/threads.h"
+#include "planar_servo/base/io/atomic_file.h"
 
 namespace planar {
 namespace {
-
-/// Exposes the camera shorter or longer for as long as this lives.
-class ExposedOtherwise {
- public:
-  ExposedOtherwise(FrameSource& camera, const std::optional<double>& exposure_s)
-      : camera_(camera),
-        before_(camera.exposure()),
-        changed_(exposure_s && *exposure_s != before_.time_s) {
-    if (changed_) camera_.set_exposure({*exposure_s, before_.gain_db});
-  }
-  ~ExposedOtherwise() {
-    try {
-      if (changed_) camera_.set_exposure(before_);
-    } catch (const std::exception& e) {
-      spdlog::error(e.what());
-    }
-  }
-  ExposedOtherwise(const ExposedOtherwise&) = delete;
-  ExposedOtherwise& operator=(const ExposedOtherwise&) = delete;
-
- private:
-  FrameSource& camera_;
-  CameraExposure before_;
-  bool changed_;
-};
 
 constexpr int kFramesOfWatch = 2;
 constexpr double kWatchPeriod_s = 60.0;
@@ -40,7 +19,16 @@ constexpr double kWatchPeriod_s = 60.0;
 
 std::vector<Frame> whole_frames(FrameSource& camera, int count,
                                 const std::optional<double>& exposure_s) {
-  const ExposedOtherwise exposed(camera, exposure_s);
+  const CameraExposure before = camera.exposure();
+  const bool changes = exposure_s && *exposure_s != before.time_s;
+  if (changes) camera.set_exposure({*exposure_s, before.gain_db});
+  const AtEnd restored([&] {
+    try {
+      if (changes) camera.set_exposure(before);
+    } catch (const std::exception& e) {
+      spdlog::error(e.what());
+    }
+  });
   camera.set_region({{}, camera.sensor_size_px()});
   std::vector<Frame> frames;
   for (int missed = 0; static_cast<int>(frames.size()) < count;) {
@@ -56,15 +44,23 @@ std::vector<Frame> whole_frames(FrameSource& camera, int count,
   return frames;
 }
 
+void write_picture(const std::filesystem::path& file, const cv::Mat& image,
+                   const std::vector<int>& how) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(file.extension().string(), image, bytes, how);
+  write_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
 bool WorkWatch::is_due() const {
-  return !looked_s_ || clock_.now_s() - *looked_s_ > kWatchPeriod_s;
+  return works_ && (!looked_s_ || clock_.now_s() - *looked_s_ > kWatchPeriod_s);
 }
 
 std::string WorkWatch::examine() {
-  const std::vector<Frame> frames = whole_frames(camera_, kFramesOfWatch, works_.exposure_s);
+  if (!works_) return "";
+  const std::vector<Frame> frames = whole_frames(camera_, kFramesOfWatch, works_->exposure_s);
   looked_s_ = clock_.now_s();
   std::string hidden;
-  for (const FoundWork& work : works_.works) {
+  for (const FoundWork& work : works_->works) {
     const WorkMotion motion = look_again(frames, vision_, work);
     if (motion.moved)
       return *motion.moved +

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/base/core/clock.h"
@@ -16,13 +20,17 @@ namespace planar {
 std::vector<Frame> whole_frames(FrameSource& camera, int count,
                                 const std::optional<double>& exposure_s);
 
+/// Writes a picture in the form that the name's extension says. `how` is as for cv::imencode().
+void write_picture(const std::filesystem::path& file, const cv::Mat& image,
+                   const std::vector<int>& how = {});
+
 /// Looks every minute whether workpieces still lie where they were found.
 class WorkWatch {
  public:
-  /// Takes works, vision, camera and clock, which must outlive it.
-  WorkWatch(const LaidWorks& works, const VisionCalibration& vision, FrameSource& camera,
-            const Clock& clock)
-      : works_(works), vision_(vision), camera_(camera), clock_(clock) {}
+  /// Takes the works, null for none, and vision, camera and clock, which must outlive it.
+  WorkWatch(std::shared_ptr<const LaidWorks> works, const VisionCalibration& vision,
+            FrameSource& camera, const Clock& clock)
+      : works_(std::move(works)), vision_(vision), camera_(camera), clock_(clock) {}
 
   bool is_due() const;
   /// Looks at all works while the arm rests. Returns what is wrong, or an empty text. Logs which
@@ -30,7 +38,7 @@ class WorkWatch {
   std::string examine();
 
  private:
-  const LaidWorks& works_;
+  std::shared_ptr<const LaidWorks> works_;
   const VisionCalibration& vision_;
   FrameSource& camera_;
   const Clock& clock_;

@@ -103,15 +103,13 @@ constexpr Eigen::Index kMostSearched = 5000;
 constexpr double kLeastWithin = 0.2;
 constexpr std::size_t kFewestPlaces = 10;
 
-/// Branches between places are at least this many times as long as those within, but for a share
-/// of them: two places may be close by chance.
+/// So many times as long are branches between places as within, but for a share: some are close.
 constexpr double kLeastRatio = 2.0;
 constexpr double kOverlap = 0.05;
 
 /// Joins a site to the part of the tree that was there before.
 struct Branch {
-  Eigen::Index site{0};
-  Eigen::Index parent{0};
+  Eigen::Index site{0}, parent{0};
   double length{0.0};  ///< metres
 };
 
@@ -138,9 +136,7 @@ std::vector<Branch> shortest_tree(const Eigen::Matrix2Xd& positions) {
 
 /// The lengths on both sides of the widest gap between those within places and between them.
 struct LengthGap {
-  double within{0.0};
-  double between{0.0};
-
+  double within{0.0}, between{0.0};
   double ratio() const { return between / within; }
 };
 

@@ -18,8 +18,7 @@ struct MapSites {
   /// Standard deviation of a sample per axis as the instruments state it, rms over all samples,
   /// metres; 0 if some do not state it. No map should find less noise.
   double stated_sigma{0.0};
-  /// Mean of (cos phi, sin phi) of the tool over the samples at each site; no columns unless every
-  /// sample has a phi.
+  /// Mean (cos phi, sin phi) of the tool at each site; no columns unless every sample has a phi.
   Eigen::Matrix2Xd directions;
   /// The share of a sample's noise variance that it has in common with the others of its site: 0 if
   /// they are wrong independently of each other, 1 if all are wrong alike.
@@ -32,20 +31,16 @@ struct MapSites {
   bool has_directions() const { return directions.cols() > 0; }
   /// Returns the tool's mean direction at a site, or NaN where directions are unknown.
   Eigen::Vector2d direction(Eigen::Index site) const;
-
   /// Returns the number of independent samples whose mean would be as noisy as that of each site.
   Eigen::VectorXd weights() const { return weights_for(counts); }
   Eigen::VectorXd weights_for(const Eigen::VectorXd& of_counts) const;
-
-  /// Returns the root mean square over all samples of deviations whose mean at each site is a
-  /// column of `means`.
+  /// Returns the rms over all samples of deviations whose mean at each site is in `means`.
   double sample_rms(const Eigen::Matrix2Xd& means) const;
 };
 
-/// Merges the samples of each named place, and of the others those that are closer together than
-/// any camera can tell, whatever the tool's direction: a site is left out as a whole, and a term
-/// linear in the direction has its mean at the mean direction. Throws InputError naming each sample
-/// that is not finite, or when fewer than three sites remain.
+/// Merges the samples of each named place, and of the others those closer together than any camera
+/// can tell, whatever the tool's direction: a term linear in it has its mean at the mean direction.
+/// Throws InputError naming each sample that is not finite, or when fewer than three sites remain.
 MapSites merge_samples(const std::vector<ErrorSample>& samples);
 /// Merges only the samples that are `used`.
 MapSites merge_samples(const std::vector<ErrorSample>& samples, const std::vector<bool>& used);

@@ -15,11 +15,9 @@ namespace planar {
 namespace {
 
 constexpr double kFalseAlarms = 0.05;
-
 constexpr Eigen::Index kNeighbours = 12;
 
-/// The limit of a difference over the median difference. It is wide, because the field itself
-/// differs over this distance.
+/// The limit of a difference over the median; wide, because the field differs over this distance.
 constexpr double kGross = 10.0;
 
 std::vector<Eigen::Index> nearest_to(Eigen::Index i, const MapSites& sites) {
@@ -62,11 +60,9 @@ std::vector<Eigen::Index> sites_like_their_neighbours(const MapSites& sites,
 /// With fewer sites an outlier cannot be told from the rest.
 constexpr Eigen::Index kFewestToJudge = 10;
 
-/// The length of each site's residual when the other kept sites predict it, and its standard
-/// deviation divided by s_f.
+/// The length of each site's residual without itself, and its standard deviation divided by s_f.
 struct Judgement {
-  Eigen::ArrayXd residuals;
-  Eigen::ArrayXd unit_sigmas;
+  Eigen::ArrayXd residuals, unit_sigmas;
 
   Eigen::ArrayXd scaled() const { return residuals / unit_sigmas; }
 };
@@ -152,8 +148,7 @@ class OutlierSearch {
     return true;
   }
 
-  /// Returns the largest residual of each site with which it is kept, for residuals that follow
-  /// Student's t.
+  /// Returns the largest residual with which each site is kept, if they follow Student's t.
   Eigen::ArrayXd residual_limits(double dof) const {
     const Eigen::ArrayXd scaled = judgement_.scaled();
     const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5, dof);

@@ -37,13 +37,11 @@ constexpr double kNormal = std::numeric_limits<double>::infinity();
 /// l) = (1 + l^2 / dof)^(-dof / 2), which is exp(-l^2 / 2) for normal ones.
 double residual_length(double share, double dof = kNormal);
 
-/// Estimates the degrees of freedom of Student's t from residual lengths: those that give the same
-/// ratio of the length exceeded by an eighth of them to the median. kNormal where the tails are not
-/// long.
+/// Estimates the degrees of freedom of Student's t from the ratio of the length that an eighth of
+/// the residuals exceeds to their median. kNormal where the tails are not long.
 double tail_dof(const std::vector<double>& lengths);
 
-/// Returns the limit of a residual divided by its scale. In one of twenty fits of this many equally
-/// good sites a site exceeds it.
+/// Returns the limit of a residual over its scale, which one of twenty fits of good sites exceeds.
 double outlier_sigmas(Eigen::Index sites, double dof = kNormal);
 
 /// Throws InputError when more than a fifth of the sites are dropped.
@@ -62,16 +60,12 @@ struct RobustFit {
   std::vector<Outlier> outliers;
 };
 
-/// Fits the best family to the sites that do not contradict each other.
-///
-/// Starting from the sites that are like their neighbours, every site is judged by what the other
-/// kept sites predict with the first family, and by how well they do around it. Sites that disagree
-/// are dropped, in the first rounds those that agree again are taken back, and the map is tuned
-/// anew, until the choice is stable. Where the kept residuals have long tails, sites within the
-/// limit of Student's t are taken back.
-///
-/// Throws InputError when more than a fifth of the sites would be dropped. Fewer than ten sites are
-/// not judged.
+/// Fits the best family to the sites that do not contradict each other. Starting from those like
+/// their neighbours, each is judged by what the other kept sites predict with the first family, and
+/// by how well they do around it. Sites that disagree are dropped, in the first rounds those that
+/// agree again are taken back, and the map is tuned anew, until the choice is stable. Where the
+/// kept residuals have long tails, sites within the limit of Student's t are taken back. Throws
+/// InputError when more than a fifth would be dropped. Fewer than ten sites are not judged.
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families);
 
 }  // namespace planar

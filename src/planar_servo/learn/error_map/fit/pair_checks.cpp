@@ -8,9 +8,9 @@
 #include <complex>
 #include <cstdint>
 #include <limits>
-#include <tuple>
+#include <map>
+#include <utility>
 
-#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/learn/error_map/maps/rbf_basis.h"
@@ -20,7 +20,6 @@ namespace {
 
 /// No vision error makes the positions so much wider than the tracker's.
 constexpr double kWidestRatio = 2.0;
-constexpr double kMillimetresPerMetre = 1000.0;
 
 /// No vision error is as large a share of the positions' spread.
 constexpr double kLargestError = 0.5;
@@ -46,33 +45,24 @@ std::vector<double> values_of(const Eigen::RowVectorXd& row) {
   return {row.begin(), row.end()};
 }
 
+double median_length(const Eigen::Matrix2Xd& vectors) {
+  return median(values_of(vectors.colwise().norm()));
+}
+
 /// Returns the median distance from the median.
 double spread_of(const Eigen::Matrix2Xd& positions) {
   const Eigen::Vector2d middle(median(values_of(positions.row(0))),
                                median(values_of(positions.row(1))));
-  return median(values_of((positions.colwise() - middle).colwise().norm()));
+  return median_length(positions.colwise() - middle);
 }
 
 std::string remedy(double ratio) {
-  if (ratio > kMillimetresPerMetre / kWidestRatio && ratio < kMillimetresPerMetre * kWidestRatio)
+  if (ratio > 1000.0 / kWidestRatio && ratio < 1000.0 * kWidestRatio)
     return "the narrower ones look like metres; write both in millimetres";
   return "both must be of the same points, in the same frame and unit";
 }
 
 using Complex = std::complex<double>;
-
-/// Returns the median left of a similarity fitted to the positions as complex numbers, which
-/// `factor` and `shift` take. `tracker` may be mirrored.
-double fit_similarity(const Eigen::VectorXcd& vision, const Eigen::VectorXcd& tracker,
-                      Complex& factor, Complex& shift) {
-  const Complex mean_vision = vision.mean(), mean_tracker = tracker.mean();
-  const Eigen::VectorXcd centred = tracker.array() - mean_tracker;
-  factor = centred.dot(vision) / centred.squaredNorm();
-  shift = mean_vision - mean_tracker;
-  const Eigen::VectorXd left =
-      (vision.array() - mean_vision - factor * centred.array()).abs().matrix();
-  return median({left.begin(), left.end()});
-}
 
 Eigen::VectorXcd complex_of(const Eigen::Matrix2Xd& positions, double side) {
   Eigen::VectorXcd numbers(positions.cols());
@@ -81,19 +71,33 @@ Eigen::VectorXcd complex_of(const Eigen::Matrix2Xd& positions, double side) {
   return numbers;
 }
 
+/// A similarity of the positions as complex numbers, and the median length that it leaves.
+struct Similarity {
+  Complex factor, shift;
+  double left;
+};
+
+/// Fits vision to the tracker, whose y is multiplied with `side`: -1 mirrors it.
+Similarity similarity_of(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker,
+                         double side) {
+  const Eigen::VectorXcd vision = complex_of(p_vision, 1.0), tracker = complex_of(p_tracker, side);
+  const Complex mean_vision = vision.mean(), mean_tracker = tracker.mean();
+  const Eigen::VectorXcd centred = tracker.array() - mean_tracker;
+  const Complex factor = centred.dot(vision) / centred.squaredNorm();
+  const Eigen::VectorXd left =
+      (vision.array() - mean_vision - factor * centred.array()).abs().matrix();
+  return {factor, mean_vision - mean_tracker, median({left.begin(), left.end()})};
+}
+
 /// Says in words by which shift, turn and scale vision differs, if these explain the differences.
 std::string similarity_text(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker,
                             double error) {
-  Complex factor, shift;
-  if (fit_similarity(complex_of(p_vision, 1.0), complex_of(p_tracker, 1.0), factor, shift) >=
-      kExplained * error)
-    return "";
+  const auto [factor, shift, left] = similarity_of(p_vision, p_tracker, 1.0);
+  if (left >= kExplained * error) return "";
   return fmt::format(
       "vision is shifted by ({:.3f}, {:.3f}) mm in the middle of the pairs, turned by {:.4f} "
-      "degrees "
-      "and {:.5f} times as large",
-      shift.real() / kMillimetre, shift.imag() / kMillimetre, std::arg(factor) / kDegree,
-      std::abs(factor));
+      "degrees and {:.5f} times as large",
+      mm(shift.real()), mm(shift.imag()), std::arg(factor) / kDegree, std::abs(factor));
 }
 
 /// Says which motion of the plane explains the differences, if one does.
@@ -101,15 +105,9 @@ std::string shared_motion(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2
                           double error) {
   const std::string similarity = similarity_text(p_vision, p_tracker, error);
   if (!similarity.empty()) return "all of them share it: " + similarity;
-  Complex factor, shift;
-  if (fit_similarity(complex_of(p_vision, 1.0), complex_of(p_tracker, -1.0), factor, shift) <
-      kExplained * error)
+  if (similarity_of(p_vision, p_tracker, -1.0).left < kExplained * error)
     return "one of them is a mirror image of the other (x and y swapped, or one of them negated)";
   return "no common shift, turn, scale or mirror explains it";
-}
-
-double median_length(const Eigen::Matrix2Xd& vectors) {
-  return median(values_of(vectors.colwise().norm()));
 }
 
 using SamplesOfPlace = std::vector<std::size_t>;
@@ -166,21 +164,19 @@ void drop_unlike(const std::vector<ErrorSample>& samples, SamplesOfPlace of, dou
 }  // namespace
 
 void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker) {
-  const double vision = spread_of(p_vision);
-  const double tracker = spread_of(p_tracker);
-  const double wide = std::max(vision, tracker);
-  const double narrow = std::min(vision, tracker);
+  const double vision = spread_of(p_vision), tracker = spread_of(p_tracker);
+  const double wide = std::max(vision, tracker), narrow = std::min(vision, tracker);
   if (wide > kSmallestSpread && wide > kWidestRatio * narrow)
     throw InputError({fmt::format("half of the vision positions lie within {:.4g} mm of their "
                                   "middle, half of the tracker positions within {:.4g} mm",
-                                  vision / kMillimetre, tracker / kMillimetre),
+                                  mm(vision), mm(tracker)),
                       remedy(wide / narrow)});
   const double error = median_length(p_vision - p_tracker);
   if (wide > kSmallestSpread && error > kLargestError * narrow)
     throw InputError(
         {fmt::format("vision and tracker differ by {:.4g} mm in the median, while half of the "
                      "positions lie within {:.4g} mm of their middle",
-                     error / kMillimetre, narrow / kMillimetre),
+                     mm(error), mm(narrow)),
          fmt::format("{} (are x and y swapped, or rows paired wrongly?)", remedy(1.0))});
   if (narrow > kLargestSpread)
     throw InputError({fmt::format("half of the positions lie more than {:.4g} m from their middle, "
@@ -191,16 +187,16 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
     throw InputError({fmt::format("vision and tracker differ by {:.4g} mm in the median over "
                                   "positions half of which lie within {:.4g} mm of their middle; a "
                                   "calibrated camera errs by less than {:.0f} % of that; {}",
-                                  error / kMillimetre, narrow / kMillimetre, 100.0 * kCameraShare,
+                                  mm(error), mm(narrow), 100.0 * kCameraShare,
                                   shared_motion(p_vision, p_tracker, error)),
                       "mend the datum, the camera or the pairing instead of learning it"});
   const double span = std::max(span_of(p_vision), span_of(p_tracker));
   if (span < kSmallestSpread)
-    throw InputError({fmt::format("all positions lie within {:.4g} mm; they look like metres",
-                                  span / kMillimetre),
-                      fmt::format("write them in millimetres (or are they all of one place? a map "
-                                  "needs pairs over at least {:.0f} mm)",
-                                  mm(kSmallestSpread))});
+    throw InputError(
+        {fmt::format("all positions lie within {:.4g} mm; they look like metres", mm(span)),
+         fmt::format("write them in millimetres (or are they all of one place? a map "
+                     "needs pairs over at least {:.0f} mm)",
+                     mm(kSmallestSpread))});
 }
 
 std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& samples) {
@@ -218,39 +214,29 @@ std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& sam
 }
 
 void require_live_tracker(const std::vector<ErrorSample>& samples) {
-  struct Reading {
-    std::int64_t x, y;
-    const ErrorSample* sample;
-  };
-  std::vector<Reading> readings;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<const ErrorSample*>> readings;
   Eigen::Matrix2Xd positions(2, samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Eigen::Vector2d p = samples[i].p_vision - samples[i].error;
     positions.col(static_cast<Eigen::Index>(i)) = samples[i].p_vision;
-    readings.push_back(
-        {std::llround(p.x() / kSameReading), std::llround(p.y() / kSameReading), &samples[i]});
+    readings[{std::llround(p.x() / kSameReading), std::llround(p.y() / kSameReading)}].push_back(
+        &samples[i]);
   }
   const double far = std::max(kCameraShare * spread_of(positions), kCameraMiss);
-  const auto place = [](const Reading& r) { return std::tie(r.x, r.y); };
-  std::stable_sort(readings.begin(), readings.end(),
-                   [&](const Reading& a, const Reading& b) { return place(a) < place(b); });
-  for (auto begin = readings.begin(); begin != readings.end();) {
-    const auto end = std::find_if(begin, readings.end(),
-                                  [&](const Reading& r) { return place(r) != place(*begin); });
-    const auto other = std::find_if(begin, end, [&](const Reading& r) {
-      return (r.sample->p_vision - begin->sample->p_vision).norm() > far;
-    });
-    if (other != end)
+  for (const auto& [place, alike] : readings) {
+    const ErrorSample& first = *alike.front();
+    for (const ErrorSample* other : alike) {
+      const double moved = (other->p_vision - first.p_vision).norm();
+      if (!(moved > far)) continue;
       throw InputError(
           {fmt::format("{} pairs have one and the same tracker position, ({:.3f}, {:.3f}) mm, '{}' "
                        "and '{}' among them, although vision moved by {:.1f} mm: the tracker was "
                        "frozen, or rows were copied",
-                       end - begin, static_cast<double>(begin->x) * kSameReading / kMillimetre,
-                       static_cast<double>(begin->y) * kSameReading / kMillimetre,
-                       begin->sample->id, other->sample->id,
-                       (other->sample->p_vision - begin->sample->p_vision).norm() / kMillimetre),
+                       alike.size(), mm(static_cast<double>(place.first) * kSameReading),
+                       mm(static_cast<double>(place.second) * kSameReading), first.id, other->id,
+                       mm(moved)),
            "remove these pairs or record them again"});
-    begin = end;
+    }
   }
 }
 
@@ -262,7 +248,7 @@ void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSit
     if (width <= widest || samples[of.front()].place.empty()) continue;
     faults.add({fmt::format("place '{}': its {} pairs lie up to {:.1f} mm apart, where {:.1f} mm "
                             "is allowed, a tenth of the field",
-                            samples[of.front()].place, of.size(), mm(width), widest / kMillimetre),
+                            samples[of.front()].place, of.size(), mm(width), mm(widest)),
                 "name the places of single positions, or remove the column place"});
   }
   faults.throw_if_any();

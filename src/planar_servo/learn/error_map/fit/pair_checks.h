@@ -11,13 +11,11 @@
 
 namespace planar {
 
-/// Throws InputError when the positions of vision and tracker are not in metres or not in one
-/// frame: one set is more than twice as wide as the other (a thousand times means another unit),
-/// all lie within two millimetres, half of them lie more than ten metres from their middle, or half
-/// of them differ by more than half their spread. Throws as well when half of them differ by more
-/// than a fiftieth of their spread and more than three millimetres, as no calibrated camera does;
-/// the message says whether a shift, a turn, a scale or a mirror explains it. Wild rows, fewer than
-/// half, do not matter.
+/// Throws InputError when vision and tracker are not in metres or not in one frame: one set is more
+/// than twice as wide as the other (a thousand times means another unit), all lie within two
+/// millimetres, half of them lie more than ten metres from their middle, or half of them differ by
+/// more than half their spread, or by more than a fiftieth of it and three millimetres, as no
+/// calibrated camera does; the message then says which shift, turn, scale or mirror explains it.
 void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& p_tracker);
 
 /// Says which shift, turn and scale all pairs share, when these make up nine tenths of the error
@@ -25,20 +23,16 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
 /// the pairs knows whether it is one. Empty otherwise.
 std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& samples);
 
-/// Throws InputError when the tracker has one and the same position, to the last digit, where
-/// vision has positions farther apart than such an error: a tracker that was frozen, or a row that
-/// was copied.
+/// Throws InputError when the tracker has one position, to the last digit, where those of vision
+/// are farther apart than such an error: a tracker that was frozen, or a row that was copied.
 void require_live_tracker(const std::vector<ErrorSample>& samples);
 
 /// Throws InputError naming each named place whose samples lie apart by more than a tenth of the
-/// width of all positions: their mean would hide the field between them. `sites` are the merged
-/// samples.
+/// width of all positions: their mean would hide the field between them.
 void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSites& sites);
 
-/// Returns the samples that disagree with the others of their place, of which there must be two at
-/// least; `Outlier::site` is the index of the sample. The limit is that of outlier_sigmas() for the
-/// deviations within all places. Throws InputError when more than a fifth of the
-/// samples do.
+/// Returns the samples that disagree with the others of their place, two at least, by the limit of
+/// outlier_sigmas(); `Outlier::site` is a sample's index. Throws InputError for more than a fifth.
 Outliers samples_unlike_their_place(const std::vector<ErrorSample>& samples, const MapSites& sites);
 
 }  // namespace planar

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <memory>
 #include <nlopt.hpp>
 #include <optional>
 #include <utility>
-#include <vector>
 
+#include "planar_servo/base/core/threads.h"
 #include "planar_servo/learn/error_map/error_sample.h"
-#include "planar_servo/learn/error_map/maps/rbf_basis.h"
 
 namespace planar {
 namespace {
@@ -22,12 +20,10 @@ constexpr Eigen::Index kLargestPart = 500;
 // These bound the search. A kernel narrower than half the samples' spacing reaches no neighbour;
 // one wider than their span is a polynomial.
 constexpr double kNarrowestInSpacings = 0.5;
-constexpr double kWidestInSpans = 1.0;
 const double kLogSmallestRidge = std::log(1e-10);
 const double kLogLargestRidge = std::log(1e3);
 
-/// The grid is searched on a part of the sites, because the time of an evaluation grows with their
-/// cube.
+/// The grid is searched on a part of the sites, because the time grows with their cube.
 constexpr Eigen::Index kRoughPart = 100;
 constexpr std::size_t kGridWidths = 8;
 constexpr std::size_t kGridRidges = 7;  ///< 1e-7 ... 1e-1
@@ -42,6 +38,25 @@ constexpr double kSame = 0.99;
 
 constexpr int kLocalEvaluations = 30;
 constexpr double kLogTolerance = 0.03;  // of width and ridge; the error is flat about its minimum
+
+/// Computes r_i = w_i / (A^-1)_ii for the bordered matrix A and its weights w [Rippa 1999].
+LeaveOneOut leave_one_out(const BorderedSystem& system, const Eigen::Matrix2Xd& weights) {
+  const Eigen::ArrayXd diagonal = system.inverse_diagonal();
+  return {(weights.array().rowwise() / diagonal.transpose()).matrix(), diagonal.rsqrt()};
+}
+
+/// Returns s_f^2 = E^T w / (N - m) per axis over all N samples, for the weights of a fit whose tail
+/// has m terms. Samples averaged at a site scatter about it with variance ridge s_f^2; where they
+/// share a part of their noise, only sites count.
+double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
+                       double ridge) {
+  const double signal = sites.errors.cwiseProduct(weights).sum();
+  if (sites.place_share > 0.0)
+    return std::max(0.0, signal / (2.0 * static_cast<double>(sites.size() - terms)));
+  const double freedom = sites.counts.sum() - static_cast<double>(terms);
+  const double scatter = ridge > 0.0 ? sites.scatter.sum() / ridge : 0.0;
+  return std::max(0.0, (signal + scatter) / (2.0 * freedom));
+}
 
 /// The leave-one-out error over (log width, log ridge); it remembers the best point. Sites far
 /// apart hardly tell a small ridge from none, so that a fit may mistake noise for error. Where the
@@ -76,9 +91,7 @@ class LeaveOneOutCost {
     return cost;
   }
 
-  /// Sets the least noise and forgets the best point. The least noise is what the instruments
-  /// state, but no more than the leave-one-out error, which contains it, because they may state too
-  /// much.
+  /// Sets the least noise, as stated but no more than the error, and forgets the best point.
   void require_stated_noise(double loo_rms) {
     least_noise_ = std::min(sites_.stated_sigma, loo_rms * std::sqrt(0.5));
     best_cost_ = std::numeric_limits<double>::infinity();
@@ -116,8 +129,7 @@ class LeaveOneOutCost {
   KernelShape shape_;
   double span_;
   Eigen::VectorXd weights_;
-  Eigen::MatrixXd squared_distances_;
-  Eigen::MatrixXd tail_;
+  Eigen::MatrixXd squared_distances_, tail_;
   Eigen::MatrixXd kernel_;  ///< the diagonal belongs to the last ridge
   double kernel_log_width_{std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> best_;
@@ -128,8 +140,7 @@ class LeaveOneOutCost {
 };
 
 struct SearchBox {
-  double narrowest{0.0};  ///< log width
-  double widest{0.0};
+  double narrowest{0.0}, widest{0.0};  ///< log width
 
   double width_step() const { return (widest - narrowest) / (kGridWidths - 1); }
   double grid_log_width(std::size_t i) const {
@@ -138,8 +149,7 @@ struct SearchBox {
 };
 
 SearchBox search_box(const Eigen::Matrix2Xd& positions) {
-  return {std::log(kNarrowestInSpacings * median_spacing(positions)),
-          std::log(kWidestInSpans * span_of(positions))};
+  return {std::log(kNarrowestInSpacings * median_spacing(positions)), std::log(span_of(positions))};
 }
 
 /// Returns all sites, or at most `most` of them evenly drawn.
@@ -177,8 +187,7 @@ double best_log_ridge(double log_width, std::size_t& nearest, LeaveOneOutCost& c
 }
 
 struct GridBest {
-  double log_width{0.0};
-  double log_ridge{0.0};
+  double log_width{0.0}, log_ridge{0.0};
   double slope{0.0};  ///< of the best ridge there: d log ridge / d log width
 };
 
@@ -203,8 +212,7 @@ GridBest search_grid(const SearchBox& box, LeaveOneOutCost& cost) {
               (box.grid_log_width(after) - box.grid_log_width(before))};
 }
 
-/// The error over (log width, log ridge) in coordinates along its valley, which runs obliquely to
-/// both.
+/// The error over (log width, log ridge) along its valley, which runs obliquely to both.
 struct Valley {
   LeaveOneOutCost& cost;
   std::vector<double> start;
@@ -248,12 +256,10 @@ TailBasis tail_of(const MapSites& sites, const RbfFamily& family) {
 }
 
 std::vector<TunedFamily> tune_each(const MapSites& sites, const std::vector<RbfFamily>& families) {
-  const auto tune_one = [&](const RbfFamily& family) { return tune(sites, family); };
-  std::vector<std::future<TunedFamily>> running;
-  for (std::size_t i = 1; i < families.size(); ++i)
-    running.push_back(std::async(std::launch::async, tune_one, families[i]));
-  std::vector<TunedFamily> tuned{tune_one(families.front())};
-  for (auto& other : running) tuned.push_back(other.get());
+  std::vector<TunedFamily> tuned(families.size());
+  parallel_for(
+      families.size(), static_cast<unsigned>(families.size()), [] { return 0; },
+      [&](std::size_t i, int) { tuned[i] = tune(sites, families[i]); });
   return tuned;
 }
 
@@ -274,36 +280,9 @@ TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelS
   return cost.best_kernel(start.slope);
 }
 
-TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,
-                       const TunedKernel& before) {
-  const MapSites part = part_of(sites, kLargestPart);
-  const SearchBox box = search_box(part.positions);
-  LeaveOneOutCost cost(part, tail_basis, before.kernel.shape, span_of(sites.positions));
-  const std::vector<double> start{
-      std::clamp(std::log(before.kernel.width), box.narrowest, box.widest), std::log(before.ridge)};
-  cost.require_stated_noise(before.loo_rms);
-  search_along({cost, start, before.slope}, box);
-  return cost.best_kernel(before.slope);
-}
-
-LeaveOneOut leave_one_out(const BorderedSystem& system, const Eigen::Matrix2Xd& weights) {
-  const Eigen::ArrayXd diagonal = system.inverse_diagonal();
-  return {(weights.array().rowwise() / diagonal.transpose()).matrix(), diagonal.rsqrt()};
-}
-
 double standard_error_of_sum(const Eigen::ArrayXd& draws) {
   const auto n = static_cast<double>(draws.size());
   return std::sqrt((draws - draws.mean()).square().sum() * n / (n - 1.0));
-}
-
-double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
-                       double ridge) {
-  const double signal = sites.errors.cwiseProduct(weights).sum();
-  if (sites.place_share > 0.0)
-    return std::max(0.0, signal / (2.0 * static_cast<double>(sites.size() - terms)));
-  const double freedom = sites.counts.sum() - static_cast<double>(terms);
-  const double scatter = ridge > 0.0 ? sites.scatter.sum() / ridge : 0.0;
-  return std::max(0.0, (signal + scatter) / (2.0 * freedom));
 }
 
 RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
@@ -321,7 +300,6 @@ RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialK
   parameters.weights = solution.weights.transpose();
   parameters.tail = solution.tail.transpose();
   LeaveOneOut left_out = leave_one_out(*equations, parameters.weights);
-
   const Eigen::ArrayXd site_noise2 = ridge / parameters.counts.array();
   const double loneliest2 = (left_out.unit_sigmas.array().square() - site_noise2).maxCoeff();
   parameters.signal_sigma =
@@ -331,9 +309,8 @@ RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialK
 }
 
 TunedFamily tune(const MapSites& sites, const RbfFamily& family) {
-  TailBasis tail_basis = tail_of(sites, family);
-  TunedKernel tuned = tune_rbf(sites, tail_basis, family.shape);
-  return {family, tail_basis, std::move(tuned)};
+  const TailBasis tail_basis = tail_of(sites, family);
+  return {family, tail_basis, tune_rbf(sites, tail_basis, family.shape)};
 }
 
 std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily>& families) {
@@ -347,9 +324,16 @@ std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily
 }
 
 TunedFamily retune(const MapSites& sites, const TunedFamily& before) {
-  TailBasis tail_basis = tail_of(sites, before.family);
-  TunedKernel tuned = retune_rbf(sites, tail_basis, before.tuned);
-  return {before.family, tail_basis, std::move(tuned)};
+  const TailBasis tail_basis = tail_of(sites, before.family);
+  const TunedKernel& tuned = before.tuned;
+  const MapSites part = part_of(sites, kLargestPart);
+  const SearchBox box = search_box(part.positions);
+  LeaveOneOutCost cost(part, tail_basis, tuned.kernel.shape, span_of(sites.positions));
+  const std::vector<double> start{
+      std::clamp(std::log(tuned.kernel.width), box.narrowest, box.widest), std::log(tuned.ridge)};
+  cost.require_stated_noise(tuned.loo_rms);
+  search_along({cost, start, tuned.slope}, box);
+  return {before.family, tail_basis, cost.best_kernel(tuned.slope)};
 }
 
 RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family) {

@@ -24,38 +24,22 @@ struct TunedKernel {
 /// point. At most five hundred evenly drawn sites decide.
 TunedKernel tune_rbf(const MapSites& sites, const TailBasis& tail_basis, KernelShape shape);
 
-/// Tunes to sites that are nearly those of `before`, starting from its kernel, without the grid.
-TunedKernel retune_rbf(const MapSites& sites, const TailBasis& tail_basis,
-                       const TunedKernel& before);
-
-class BorderedSystem;
-
 /// Residuals of the samples when each in turn is left out of the fit, computed without refitting.
 struct LeaveOneOut {
   Eigen::Matrix2Xd residuals;  ///< E_i minus the prediction of the others, one column each
-  Eigen::VectorXd
-      unit_sigmas;  ///< standard deviation of a residual divided by s_f: 1 / sqrt((A^-1)_ii)
+  /// Standard deviation of a residual divided by s_f: 1 / sqrt((A^-1)_ii).
+  Eigen::VectorXd unit_sigmas;
 };
-
-/// Computes r_i = w_i / (A^-1)_ii for the bordered matrix A and its weights w [Rippa 1999].
-LeaveOneOut leave_one_out(const BorderedSystem& system, const Eigen::Matrix2Xd& weights);
 
 /// Returns the standard error of the sum of independent draws, of which there are at least two.
 double standard_error_of_sum(const Eigen::ArrayXd& draws);
-
-/// Returns s_f^2 = E^T w / (N - m) per axis over all N samples, for the weights of a fit whose tail
-/// has m terms. Samples averaged at a site scatter about it with variance ridge s_f^2; where they
-/// share a part of their noise, only sites count.
-double signal_variance(const MapSites& sites, const Eigen::Matrix2Xd& weights, Eigen::Index terms,
-                       double ridge);
 
 struct RbfFit {
   RbfMap map;
   LeaveOneOut left_out;
 };
 
-/// Fits a map to sites with given kernel, ridge and tail. Throws WorkError when the kernel matrix
-/// is too ill conditioned to be solved.
+/// Fits a map with this kernel, ridge and tail. Throws WorkError when that is too ill conditioned.
 RbfFit fit_rbf(const MapSites& sites, const TailBasis& tail_basis, const RadialKernel& kernel,
                double ridge);
 
@@ -85,18 +69,16 @@ TunedFamily tune(const MapSites& sites, const RbfFamily& family);
 /// determine those terms and the first family is clearly better with them (as in best_of()).
 std::vector<TunedFamily> tune(const MapSites& sites, const std::vector<RbfFamily>& families);
 
-/// Tunes to sites that are nearly those of `before`, starting from its kernel.
+/// Tunes to sites that are nearly those of `before`, starting from its kernel, without the grid.
 TunedFamily retune(const MapSites& sites, const TunedFamily& before);
 
 RbfFit fit_rbf(const MapSites& sites, const TunedFamily& family);
 
-/// Fits the paper's map: a Gaussian of the given width (metres) without ridge and tail. Throws like
-/// the other fit_rbf().
+/// Fits the paper's map, a Gaussian of this width (metres) without ridge and tail; throws alike.
 RbfFit fit_hand_width(const MapSites& sites, double width);
 
-/// Returns the family with the smallest leave-one-out error; all are tuned to the same sites. The
-/// first one stands unless another one's sum of squares is smaller by more than the standard error
-/// of the difference, taken site by site.
+/// Returns the family, tuned to the same sites, with the smallest leave-one-out error: the first
+/// unless another's sum of squares is smaller by more than the difference's standard error by site.
 const TunedFamily& best_of(const std::vector<TunedFamily>& families);
 
 }  // namespace planar

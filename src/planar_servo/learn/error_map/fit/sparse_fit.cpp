@@ -10,13 +10,11 @@
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
-#include "planar_servo/learn/error_map/maps/rbf_basis.h"
 
 namespace planar {
 namespace {
 
-/// Number of shares of the sites that are summed separately. It is fixed, so that rounding does not
-/// depend on the threads.
+/// Shares of the sites, summed separately. A fixed number keeps rounding apart from the threads.
 constexpr std::size_t kShares = 4;
 /// Rows of B that are computed at a time; as many stay in the cache.
 constexpr std::size_t kRows = 256;
@@ -52,11 +50,9 @@ constexpr std::array<double, 6> kWidths{1.0, 1.4, 2.0, 2.8, 4.0, 6.0};
 /// Steps of ten suffice, because the error is flat about its minimum.
 constexpr std::array<double, 6> kRidges{1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0};
 
-/// The limit of a difference from the cell's median over the median difference. Sites beyond it are
-/// left out first, before a finer judgement.
+/// The limit of a difference from the cell's median over the median: gross ones are out at first.
 constexpr double kGrossDifference = 10.0;
-/// The limit of the standard deviation over its largest value at a centre; it is larger between
-/// centres.
+/// The limit of the deviation over its largest at a centre; it is larger between centres.
 constexpr double kBetweenCenters = 2.0;
 
 constexpr char kSparseUnsolvable[] =
@@ -133,9 +129,8 @@ Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part, const Progress
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kWidths.size(); ++i) {
     tell(progress, "choosing width and ridge", i, kWidths.size());
-    const double width = kWidths[i];
-    const SparseBasis basis{centers, width * spacing, tail,
-                            center_factor(centers, width * spacing)};
+    const double width = kWidths[i] * spacing;
+    const SparseBasis basis{centers, width, tail, center_factor(centers, width)};
     const SparseStatistics statistics = statistics_of(basis, part, sites_without({}, part.size()));
     double least_of_width = std::numeric_limits<double>::infinity();
     for (const double ridge : kRidges) {
@@ -156,7 +151,7 @@ constexpr std::size_t kSitesAtATime = 50000;
 
 SparseStatistics statistics_of(const SparseBasis& basis, const MapSites& sites,
                                const std::vector<Eigen::Index>& which, const Progress& progress) {
-  SparseStatistics sum = statistics_of(basis, sites, {});
+  SparseStatistics sum = empty_statistics(basis.size());
   for (std::size_t first = 0; first < which.size(); first += kSitesAtATime) {
     tell(progress, "summing over the pairs", first, which.size());
     const std::size_t last = std::min(first + kSitesAtATime, which.size());
@@ -297,7 +292,6 @@ std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::I
   fit.factor = std::move(*factor);
   const Eigen::MatrixXd inverse = inverse_of_lower(fit.factor);
   fit.weights = solve_lower_transposed(fit.factor, solve_lower(fit.factor, statistics.projected));
-
   const Eigen::MatrixX2d& w = fit.weights;
   const Eigen::MatrixX2d gram_w = statistics.gram.selfadjointView<Eigen::Lower>() * w;
   fit.residual_squares =
@@ -322,8 +316,7 @@ SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
     const Eigen::Matrix2Xd residuals = residuals_of(tuned.basis, *fit, sites, progress);
     const Eigen::ArrayXd lengths = residuals.colwise().norm().transpose();
     const Eigen::ArrayXd limits = residual_limits(lengths, sites, cells, dropped);
-    std::vector<Eigen::Index> leaving;
-    std::vector<Eigen::Index> coming;
+    std::vector<Eigen::Index> leaving, coming;
     for (Eigen::Index i = 0; i < sites.size(); ++i) {
       const bool was_dropped = dropped.count(i) != 0;
       if (lengths[i] > limits[i]) {

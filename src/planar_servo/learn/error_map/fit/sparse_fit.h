@@ -65,8 +65,7 @@ struct SparseFit {
   SparseRbfMap map;
   std::vector<Eigen::Index> kept;  ///< sites, in order
   std::vector<Outlier> outliers;
-  /// Leave-one-out residuals of the kept sites, metres. All have the mean leverage, because there
-  /// are many more sites than centres.
+  /// Leave-one-out residuals of the kept sites, metres; all with the mean leverage.
   Eigen::Matrix2Xd residuals;
   Eigen::VectorXd sigmas;  ///< of the residuals per axis, metres
 };

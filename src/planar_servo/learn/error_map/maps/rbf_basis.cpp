@@ -8,8 +8,7 @@
 namespace planar {
 namespace {
 
-/// The level divided by the largest value of sqrt(1 + u^2). It is twice what positions all over a
-/// disc, as wide as the kernel, need.
+/// The level divided by the largest sqrt(1 + u^2): twice what a disc as wide as the kernel needs.
 constexpr double kLevelOverFarthest = 4.0;
 
 /// Replaces squared distances by the kernel there.
@@ -24,12 +23,10 @@ void evaluate(const RadialKernel& kernel, Eigen::Ref<Eigen::ArrayXd> values) {
     values = (1.0 + 1.0 / kernel.level()) - (1.0 + rate * values).sqrt() / kernel.level();
 }
 
-/// Positions a thousand times longer than wide count as collinear, because noise would determine
-/// the slope across them.
+/// Positions a thousand times longer than wide are collinear: noise would tell the slope across.
 constexpr double kThinnest = 1e-3;
 
-/// A position whose leverage reaches 1 cannot be left out, because the others do not determine the
-/// tail.
+/// A position of leverage 1 cannot be left out, as the others do not determine the tail.
 constexpr double kLargestLeverage = 1.0 - kThinnest * kThinnest;
 
 double power(double base, int exponent) {

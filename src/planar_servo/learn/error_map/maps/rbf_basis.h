@@ -23,19 +23,14 @@ class BorderedSystem {
   };
   /// Solves A [weights; tail] = [values; 0] for N x c values.
   Solution solve(const Eigen::MatrixXd& values) const;
-
   /// Returns the first N elements of the diagonal of A^-1.
   Eigen::VectorXd inverse_diagonal() const;
-
   /// Returns the rows and columns `of` of A^-1; all are below N.
   Eigen::MatrixXd inverse_block(const std::vector<Eigen::Index>& of) const;
-
   /// Returns [k; q]^T A^-1 [k; q].
   double inverse_form(const Eigen::VectorXd& k, const Eigen::VectorXd& q) const;
-
   /// Returns (Q^T K^-1 Q)^-1, m x m: the covariance of the tail if K is that of the values.
   Eigen::MatrixXd tail_covariance() const;
-
   /// Returns the ratio of the smallest to the largest pivot of K. It bounds the reciprocal
   /// condition number from above and tells how much a sample adds to those before it.
   double pivot_ratio() const;
@@ -113,8 +108,7 @@ struct TailBasis {
 TailBasis tail_for(const Eigen::Matrix2Xd& positions, int degree = 1,
                    const Eigen::Matrix2Xd& directions = {});
 
-/// Returns the tail about other positions with the terms of `basis`, as far as the positions
-/// determine them.
+/// Returns the tail about other positions with the terms of `basis` that they determine.
 TailBasis tail_like(const TailBasis& basis, const Eigen::Matrix2Xd& positions,
                     const Eigen::Matrix2Xd& directions);
 

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/learn/error_map/maps/rbf_basis.h"
 
 namespace planar {
 namespace {
@@ -28,8 +26,7 @@ Eigen::ArrayXd squared_distances_to(const Eigen::Matrix2Xd& centers, const Eigen
   return (centers.colwise() - p).colwise().squaredNorm();
 }
 
-/// The least ratio of pivots of the kernel matrix. A smaller pivot is mostly rounding (200 unit
-/// terms of 2e-16 each).
+/// The least ratio of pivots. A smaller pivot is mostly rounding (200 unit terms of 2e-16 each).
 constexpr double kSmallestPivotRatio = 1e-13;
 
 Eigen::MatrixXd ridged_kernel_matrix(const RbfParameters& parameters) {

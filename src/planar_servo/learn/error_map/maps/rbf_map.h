@@ -62,35 +62,25 @@ class RbfMap {
  public:
   /// Throws WorkError when the kernel matrix is too ill conditioned to be solved.
   explicit RbfMap(const RbfParameters& parameters);
-
   /// Takes the map_equations() of these parameters from a fit that has solved them already.
   RbfMap(RbfParameters parameters, std::shared_ptr<const BorderedSystem> equations);
-
-  /// Predicts the error at p. `direction` is (cos phi, sin phi) of the tool; it is needed only
-  /// where the tail has the direction.
+  /// Predicts at p. Only a tail with direction needs `direction`, the tool's (cos phi, sin phi).
   ErrorPrediction predict(const Eigen::Vector2d& p,
                           const Eigen::Vector2d& direction = TailBasis::unknown_direction()) const;
-
   /// Returns the error without its standard deviation, several times as fast.
   Eigen::Vector2d predict_error(const Eigen::Vector2d& p, const Eigen::Vector2d& direction =
                                                               TailBasis::unknown_direction()) const;
-
   /// Returns the standard deviation of a prediction divided by s_f.
   double unit_sigma(const Eigen::Vector2d& p,
                     const Eigen::Vector2d& direction = TailBasis::unknown_direction()) const;
-
   /// Returns the part R(phi) t of the tail's terms in the direction; empty where it has none.
   std::optional<ToolBias> tool_bias() const;
-
-  /// Returns the standard deviation of the samples' noise per axis, sqrt(ridge) s_f, metres; NaN
-  /// without ridge.
+  /// Returns the noise's deviation per axis, sqrt(ridge) s_f, metres; NaN without ridge.
   double noise_sigma() const;
 
   const RbfParameters& parameters() const { return parameters_; }
-
-  /// Returns the residuals of the named centres when all of them are left out of the fit, one
-  /// column each, metres: ((A^-1)_BB)^-1 w_B. The other centres must determine the tail. Empty when
-  /// the equations are too ill conditioned.
+  /// Returns the residuals of these centres when all are left out of the fit, columns, metres:
+  /// ((A^-1)_BB)^-1 w_B. The others must determine the tail. Empty if too ill conditioned.
   std::optional<Eigen::Matrix2Xd> left_out_residuals(const std::vector<Eigen::Index>& block) const;
 
  private:
@@ -98,8 +88,7 @@ class RbfMap {
 
   RbfParameters parameters_;
   // These are the parameters' columns as rows, along which sums over the centres are fast.
-  Eigen::MatrixX2d centers_;
-  Eigen::MatrixX2d weights_;
+  Eigen::MatrixX2d centers_, weights_;
   std::shared_ptr<const BorderedSystem> equations_;
 };
 
@@ -116,8 +105,7 @@ struct SparseRbfParameters {
   Eigen::Matrix2Xd tail;  ///< metres, t
   double width{0.0};      ///< of the Gaussian, metres
   double ridge{0.0};      ///< in units of the kernel
-  /// Lower factor of A = B^T B + ridge diag(I, 0), (m + t) x (m + t), where the rows of B are b~ of
-  /// each sample.
+  /// Lower factor of A = B^T B + ridge diag(I, 0), (m + t) x (m + t); B has rows b~ by sample.
   Eigen::MatrixXd factor;
   double signal_sigma{0.0};  ///< s_f per axis, metres
   double sigma_limit{0.0};   ///< larger standard deviations are not valid, metres
@@ -134,10 +122,8 @@ class SparseRbfMap {
   explicit SparseRbfMap(SparseRbfParameters parameters);
 
   ErrorPrediction predict(const Eigen::Vector2d& p) const;
-
   /// Returns the error without its standard deviation, many times as fast.
   Eigen::Vector2d predict_error(const Eigen::Vector2d& p) const;
-
   /// Returns the standard deviation of the samples' noise per axis, sqrt(ridge) s_f, metres.
   double noise_sigma() const;
 
@@ -145,8 +131,7 @@ class SparseRbfMap {
 
  private:
   SparseRbfParameters parameters_;
-  Eigen::MatrixX2d centers_;
-  Eigen::MatrixX2d weights_;
+  Eigen::MatrixX2d centers_, weights_;
   Eigen::MatrixXd whitening_;  ///< L^-1
   Eigen::MatrixXd open_;       ///< inverse of the parameters' factor
 };

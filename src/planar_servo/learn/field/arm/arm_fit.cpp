@@ -52,38 +52,6 @@ struct Unit {
 constexpr Unit kLength{kMillimetre, "mm", "_mm"}, kAngle{kDegree, "deg", "_deg"},
     kBend{1e-3, "1e-3 / m", "_per_km"};
 
-/// Lists names of the model's unknowns in their order.
-class TermList {
- public:
-  explicit TermList(const JointEstimate& estimate)
-      : estimate_(estimate), prior_(estimate.model().prior_sigma()) {
-    sigma_ = estimate.fit.covariance.diagonal().tail(prior_.size()).cwiseSqrt();
-  }
-
-  /// Names unknown i.
-  void add(Eigen::Index i, const std::string& key, const std::string& label, const Unit& unit) {
-    constexpr double kMuchBetter = 0.5;
-    terms_.push_back({key + unit.suffix, label, estimate_.fit.arm[i], sigma_[i], unit.value,
-                      unit.text, sigma_[i] < kMuchBetter * prior_[i]});
-  }
-
-  /// Names the sines and cosines of a wave for each motor.
-  void add_wave(int wave, const std::string& key, const std::string& label) {
-    Eigen::Index i = ArmForm::kFirstWave + Eigen::Index{6} * wave;
-    for (const char* part : {"sine", "cosine"})
-      for (int motor = 1; motor <= 3; ++motor)
-        add(i++, fmt::format("{}_{}_{}", key, part, motor),
-            fmt::format("motor {}, {} {}", motor, label, part), kAngle);
-  }
-
-  std::vector<ArmTerm> take() { return std::move(terms_); }
-
- private:
-  const JointEstimate& estimate_;
-  Eigen::VectorXd prior_, sigma_;
-  std::vector<ArmTerm> terms_;
-};
-
 }  // namespace
 
 ArmFit fit_arm(const ArmNominal& nominal, const std::vector<ArmReading>& readings) {
@@ -116,27 +84,42 @@ ArmFit fit_arm(const ArmNominal& nominal, const std::vector<ArmReading>& reading
 }
 
 std::vector<ArmTerm> arm_terms(const JointEstimate& estimate) {
-  TermList list(estimate);
-  const ArmModel::Layout at = estimate.model().layout();
+  const ArmModel model = estimate.model();
+  const ArmModel::Layout at = model.layout();
+  const Eigen::VectorXd prior = model.prior_sigma();
+  const Eigen::VectorXd sigma = estimate.fit.covariance.diagonal().tail(prior.size()).cwiseSqrt();
+  std::vector<ArmTerm> terms;
+  const auto add = [&](Eigen::Index i, const std::string& key, const std::string& label,
+                       const Unit& unit) {
+    constexpr double kMuchBetter = 0.5;
+    terms.push_back({key + unit.suffix, label, estimate.fit.arm[i], sigma[i], unit.value, unit.text,
+                     sigma[i] < kMuchBetter * prior[i]});
+  };
+  const auto add_wave = [&](int wave, const std::string& key, const std::string& label) {
+    Eigen::Index i = ArmForm::kFirstWave + Eigen::Index{6} * wave;
+    for (const char* part : {"sine", "cosine"})
+      for (int motor = 1; motor <= 3; ++motor)
+        add(i++, fmt::format("{}_{}_{}", key, part, motor),
+            fmt::format("motor {}, {} {}", motor, label, part), kAngle);
+  };
   for (int i = 1; i <= 2; ++i)
-    list.add(i - 1, fmt::format("link_length_{}", i), fmt::format("link {}", i), kLength);
+    add(i - 1, fmt::format("link_length_{}", i), fmt::format("link {}", i), kLength);
   for (int i = 1; i <= 3; ++i)
-    list.add(i + 1, fmt::format("zero_offset_{}", i), fmt::format("zero of motor {}", i), kAngle);
+    add(i + 1, fmt::format("zero_offset_{}", i), fmt::format("zero of motor {}", i), kAngle);
   const int harmonics = estimate.size.harmonics;
   for (int h = 1; h <= harmonics; ++h)
-    list.add_wave(h - 1, fmt::format("harmonic_{}", h), fmt::format("{}", h));
+    add_wave(h - 1, fmt::format("harmonic_{}", h), fmt::format("{}", h));
   for (int h = 1; h <= estimate.size.ripples; ++h)
-    list.add_wave(harmonics + h - 1, fmt::format("ripple_{}", h),
-                  fmt::format("{} per motor turn", h));
-  list.add(at.height, "height_1", "height with |P|^2", kBend);
-  list.add(at.height + 1, "height_2", "height with |P|^4", kBend);
-  list.add(at.height + 2, "height_difference", "lamp 2 above lamp 1", kLength);
-  list.add(at.tool, "separation", "lamps apart", kLength);
-  list.add(at.tool + 1, "p_TP_x", "end point x", kLength);
-  list.add(at.tool + 2, "p_TP_y", "end point y", kLength);
-  list.add(at.tool + 3, "p_TS_x", "reflector x", kLength);
-  list.add(at.tool + 4, "p_TS_y", "reflector y", kLength);
-  return list.take();
+    add_wave(harmonics + h - 1, fmt::format("ripple_{}", h), fmt::format("{} per motor turn", h));
+  add(at.height, "height_1", "height with |P|^2", kBend);
+  add(at.height + 1, "height_2", "height with |P|^4", kBend);
+  add(at.height + 2, "height_difference", "lamp 2 above lamp 1", kLength);
+  add(at.tool, "separation", "lamps apart", kLength);
+  add(at.tool + 1, "p_TP_x", "end point x", kLength);
+  add(at.tool + 2, "p_TP_y", "end point y", kLength);
+  add(at.tool + 3, "p_TS_x", "reflector x", kLength);
+  add(at.tool + 4, "p_TS_y", "reflector y", kLength);
+  return terms;
 }
 
 std::vector<std::string> arm_in_words(const JointEstimate& estimate) {

@@ -52,8 +52,7 @@ struct ArmTerm {
 /// Returns every number of the estimate's arm and tool.
 std::vector<ArmTerm> arm_terms(const JointEstimate& estimate);
 
-/// Describes in sentences the arm that was found: how it repeats, how its gears err, and what else
-/// its links and zeros do not describe.
+/// Describes the arm that was found: how it repeats, how its gears err, what else is in it.
 std::vector<std::string> arm_in_words(const JointEstimate& estimate);
 
 }  // namespace planar

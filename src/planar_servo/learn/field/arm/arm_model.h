@@ -60,8 +60,7 @@ struct PosedAt {
   double t_h{0.0};
 };
 
-/// The tool as seen at one commanded posture. Lengths are in metres, in the plane of the lamps,
-/// base frame.
+/// The tool as seen at one commanded posture, metres, in the plane of the lamps, base frame.
 struct PoseSample : PosedAt {
   std::string id;
   std::string place{};  ///< readings of one place share its name; empty for a place of its own
@@ -127,7 +126,6 @@ class ArmModel {
   ToolPoints at(const PosedAt& pose, const Eigen::VectorXd& x) const;
   /// Returns d(points, column by column) / dx.
   Jacobian jacobian(const PosedAt& pose, const Eigen::VectorXd& x) const;
-
   /// Returns the tracker's error at a point.
   Eigen::Vector2d tracker_error(const Eigen::Vector3d& motors, const Eigen::Vector2d& p,
                                 const Eigen::VectorXd& x) const;

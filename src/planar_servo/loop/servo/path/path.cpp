@@ -9,12 +9,10 @@
 namespace planar {
 namespace {
 
-/// The least sine of the angle under which an arc's ends are seen from its point in between: an arc
-/// of 1 degree.
+/// The least sine of the angle of an arc at its point in between: an arc of 1 degree.
 constexpr double kLeastBend = 0.005;
 
-/// Returns the centre of the circle through three points: it is as far from `a` as from b and c,
-/// which is linear in the centre.
+/// Returns the centre of the circle through three points; equal distances are linear in it.
 Eigen::Vector2d circle_center(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                               const Eigen::Vector2d& c) {
   const Eigen::Vector2d ab = b - a, ac = c - a;
@@ -28,11 +26,9 @@ double angle_of(const Eigen::Vector2d& v) {
   return std::atan2(v.y(), v.x());
 }
 
-/// Returns the angle from one direction to another, turned in the sense of `sign`: above 0 and at
-/// most a whole turn.
+/// Returns the turn between directions in the sense of `sign`: above 0, at most a whole turn.
 double turned(double from, double to, double sign) {
-  const double angle = std::fmod(sign * (to - from) + 4.0 * kPi, 2.0 * kPi);
-  return sign * angle;
+  return sign * std::fmod(sign * (to - from) + 4.0 * kPi, 2.0 * kPi);
 }
 
 /// A point belongs to a part of the path no farther than this from where it should be, metres.
@@ -122,8 +118,7 @@ double PathSegment::nearest_m(const Eigen::Vector2d& p_B) const {
     return std::clamp((p_B - from_.p).dot(to_.p - from_.p) / length_, 0.0, length_);
   const double middle = angle_of(from_.p - center_) + 0.5 * sweep_;
   const double off = wrap_angle(angle_of(p_B - center_) - middle);
-  const double share = 0.5 + off / sweep_;
-  return length_ * std::clamp(share, 0.0, 1.0);
+  return length_ * std::clamp(0.5 + off / sweep_, 0.0, 1.0);
 }
 
 Path::Path(const std::vector<Waypoint>& waypoints) : waypoints_(waypoints) {

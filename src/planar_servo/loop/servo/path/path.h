@@ -14,13 +14,11 @@ struct PathPlace {
   Eigen::Vector2d tangent{1.0, 0.0};
 };
 
-/// A straight line or an arc of a circle in the base frame, metres. The tool's direction turns
-/// evenly on the way.
+/// A line or an arc in the base frame, metres. The tool's direction turns evenly on the way.
 class PathSegment {
  public:
   /// Goes straight. Throws std::invalid_argument unless the ends are apart.
   static PathSegment line(const TipPose& from, const TipPose& to);
-
   /// Goes on the circle through `from`, `via` and `to`. Throws std::invalid_argument unless no two
   /// of them are the same and they do not lie on one line.
   static PathSegment arc(const TipPose& from, const Eigen::Vector2d& via, const TipPose& to);
@@ -28,10 +26,8 @@ class PathSegment {
   double length_m() const { return length_; }
   /// Returns 1 / radius; 0 for a line.
   double curvature() const { return curvature_; }
-
   /// Returns the place at this distance along the segment; beyond an end, that end.
   PathPlace at(double along_m) const;
-
   /// Returns how far along the segment its point lies that is nearest to `p_B`.
   double nearest_m(const Eigen::Vector2d& p_B) const;
 
@@ -65,8 +61,7 @@ struct PathOffset {
   double across_m{0.0};  ///< distance from there, positive on the left of the way
 };
 
-/// A way of the end point through the plane, in lines and arcs one after the other, measured by its
-/// length from the beginning.
+/// A way of the end point in lines and arcs, measured by its length from the beginning.
 class Path {
  public:
   /// Throws std::invalid_argument for fewer than two places and for what PathSegment refuses.
@@ -77,12 +72,9 @@ class Path {
   const std::vector<Waypoint>& waypoints() const { return waypoints_; }
   /// Returns for how long the end point waits behind each segment, seconds.
   const std::vector<double>& rests_s() const { return rests_s_; }
-
   /// Returns the place at this distance along the path; beyond an end, that end.
   PathPlace at(double along_m) const;
-
-  /// Returns where a point lies, seen from the part of the path about `near_m`. The path may cross
-  /// itself elsewhere.
+  /// Returns where a point lies, seen from the path about `near_m`, which may cross itself.
   PathOffset offset(const Eigen::Vector2d& p_B, double near_m) const;
 
  private:
@@ -106,8 +98,7 @@ class PathTiming {
   static constexpr double kAcceleration_m_s2{0.1};
 
   double duration_s() const { return end_s_; }
-  /// Returns how far along the path the end point is; before the beginning and after the end it
-  /// rests there.
+  /// Returns how far along the path the end point is at a time; 0 before, all of it after.
   double along_m(double t_s) const;
 
  private:

@@ -10,7 +10,6 @@
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/loop/servo/motion_guard.h"
 
 namespace planar {
 namespace {
@@ -18,11 +17,6 @@ namespace {
 /// A motor commanded back by less than this has not reversed: the corrections by vision tremble by
 /// that much. 0.01 mm at an arm's length of 0.3 m.
 constexpr double kTremble_rad = 3e-5;
-
-ServoSettings approaching(ServoSettings settings, Approach approach) {
-  settings.approach = approach;
-  return settings;
-}
 
 /// Returns how far motors 1 and 2 fell short from above, by where the end point was seen each time.
 PlayProbe play_between(const JointPlanner& planner, const Joints& here, double margin_rad,
@@ -137,8 +131,9 @@ PlayProbe measure_play(PlanarRobot& robot, const JointPlanner& planner,
   const Joints above =
       transmission.joints_from_motors(transmission.motors_from_joints(here) +
                                       Eigen::Vector3d::Constant(settings.approach_margin_rad));
-  const ServoSettings straight = approaching(settings, Approach::kDirect);
-  const ServoSettings from_below = approaching(settings, Approach::kOneSide);
+  ServoSettings straight = settings, from_below = settings;
+  straight.approach = Approach::kDirect;
+  from_below.approach = Approach::kOneSide;
   for (const auto& refusal : {approach_refusal(planner, straight, here, above),
                               approach_refusal(planner, straight, above, here),
                               approach_refusal(planner, from_below, here, here)})

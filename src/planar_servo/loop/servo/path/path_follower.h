@@ -23,16 +23,12 @@ namespace planar {
 /// stands where the arm's model has it; turned downwards, it stands higher by its play.
 class GearPlay {
  public:
-  /// Takes the play (radians, behind the gear) and the joints where every motor has arrived from
-  /// below.
+  /// Takes the play (radians, behind the gear) and joints at which all motors came from below.
   GearPlay(const Transmission& transmission, const Eigen::Vector3d& play_rad, const Joints& theta);
-
   /// Takes the joints as the drives stand now. Returns those behind the play. Call it so often that
   /// no motor turns back in between (the play operator).
   Joints behind(const Joints& drives);
-
-  /// Returns the joints to be commanded so that those behind the play come to `wanted`, which moves
-  /// from call to call.
+  /// Returns the joints to command for those behind the play to come to `wanted`, which moves.
   Joints command(const Joints& wanted);
 
  private:
@@ -45,8 +41,7 @@ class GearPlay {
 
 /// Holds what was found of the motors' play.
 struct PlayProbe {
-  /// The play of motors 1 and 2, radians behind the gear; 0 for motor 3, which the end point does
-  /// not show.
+  /// Of motors 1 and 2, radians behind the gear; 0 for motor 3: the end point does not show it.
   std::optional<Eigen::Vector3d> play_rad{};
   std::string unknown{};  ///< why there is no play, in words
   /// What kept the arm from returning, from below, to where it rested, if anything did.
@@ -77,15 +72,12 @@ PathDemand path_demand(const JointPlanner& planner, const Path& path, const Path
 /// The time from one command to the next, seconds.
 constexpr double kPathStep_s = 0.02;
 
-/// Remembers for a while where the drives stood when, so that a picture is compared with the joints
-/// at its exposure.
+/// Remembers for a while where the drives stood, to compare a picture with the joints then.
 class JointHistory {
  public:
   /// Takes the joints at a time that is not before those taken already, seconds.
   void add(double t_s, const Joints& theta);
-
-  /// Returns the joints at a time, interpolated linearly, and held before the first and after the
-  /// last. Throws std::logic_error when none was taken.
+  /// Returns the joints at a time, interpolated, held at the ends; std::logic_error for none.
   Joints at(double t_s) const;
 
  private:
@@ -134,14 +126,11 @@ class PathFollower {
   PathFollower(const ServoSettings& settings, const GuardLimits& limits,
                const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor, Clock& clock,
                const ExposureTiming& exposures);
-
   /// Sets the play of the motors' gears, radians; it is 0 at first.
   void set_play(const Eigen::Vector3d& play_rad) { play_rad_ = play_rad; }
-
-  /// Follows the path from its beginning, where the arm has arrived from below, and reports every
-  /// look to `observer`. Without `by_vision` the looks correct nothing. The arm slows down to rest
-  /// when the camera fails, the lamps are not seen for kLongestBlind_s, or a look is doubted.
-  /// Throws what PlanarRobot::setVelocity() throws.
+  /// Follows the path from its beginning, where the arm has arrived from below; reports every look.
+  /// Without `by_vision` they correct nothing. The arm slows down to rest when the camera fails, no
+  /// lamps are seen for kLongestBlind_s, or a look is doubted. Throws what setVelocity() does.
   PathResult follow(const Path& path, const PathTiming& timing, bool by_vision,
                     const Observer& observer = {});
 
