@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <future>
 #include <thread>
 
 #include "planar_servo/base/core/units.h"
@@ -51,9 +52,11 @@ struct Bench {
   bool rests() { return worker.wait_for_rest(kLongest_s); }
   void begin_move() {
     command("enable", 0);
-    worker.begin(Doing::kRunning, "a long job", 0, [](CellDevices& devices, const auto& stop) {
-      while (!stop()) devices.clock().sleep_for_s(0.005);
-    });
+    worker.begin(Doing::kRunning, "a long job", 0,
+                 [](CellDevices& devices, const auto& stop) -> CellWorker::Tell {
+                   while (!stop()) devices.clock().sleep_for_s(0.005);
+                   return {};
+                 });
   }
 };
 
@@ -100,6 +103,17 @@ TEST_CASE("While a job runs nothing else moves, and it is named") {
   REQUIRE(bench.rests());
   CHECK_FALSE(bench.worker.stop());
   CHECK_NOTHROW(bench.command("joint 1 0.1", 2));
+}
+
+TEST_CASE("Whoever hears that a job has ended may order at once") {
+  Bench bench;
+  for (int i = 0; i < 3; ++i) {
+    std::promise<void> ended;
+    bench.worker.begin(Doing::kChecking, "a short job", 0,
+                       [&](auto&, const auto&) { return [&] { ended.set_value(); }; });
+    ended.get_future().wait();
+    CHECK_NOTHROW(bench.command("enable", 0));
+  }
 }
 
 TEST_CASE("What was ordered before a stop begins no more, however late it comes") {

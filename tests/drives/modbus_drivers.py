@@ -3,11 +3,12 @@
 modbus_drivers.py EXAMPLES PORT [--make leadshine|oriental] [--low-first] [--at COUNT,COUNT,COUNT] [--addresses A,B,C]
                   [--lose N] [--garble N] [--late N] [--stranger N] [--mute-moving A] [--alarm-moving A]
                   [--stall-moving A] [--end-moving] [--hang-moving] [--after S] [--deaf-to-start] [--deaf-to-home]
-                  [--shafts PIPE]
+                  [--single] [--shafts PIPE]
 
 It says "ready" once PORT is there. Of answers each N-th is lost, garbled, 0.15 s late, or another slave's. S seconds
 (0.1) into its first move a driver of address A says nothing more, stops with an alarm, or stops and says nothing of it,
-or the adapter is gone or says nothing for 2 s. PIPE gets a line of counts whenever a motor has turned.
+or the adapter is gone or says nothing for 2 s. With --single they take single registers by function 0x06 alone. PIPE
+gets a line of counts whenever a motor has turned.
 """
 import argparse
 import os
@@ -155,6 +156,8 @@ class Line:
                 for driver in self.drivers.values():
                     request.execute(driver)
             return
+        if self.options.single and request.function_code == 0x10 and request.count == 1:
+            return
         driver = self.drivers.get(address)
         if driver is None or (address == self.options.mute_moving and driver.is_under_way(self.options.after)):
             return
@@ -207,7 +210,7 @@ parser.add_argument("--at", type=numbers, default=[0, 0, 0])
 parser.add_argument("--addresses", type=numbers, default=[1, 2, 3])
 for name in ("lose", "garble", "late", "stranger", "mute-moving", "alarm-moving", "stall-moving"):
     parser.add_argument(f"--{name}", type=int)
-for name in ("low-first", "deaf-to-start", "deaf-to-home", "end-moving", "hang-moving"):
+for name in ("low-first", "deaf-to-start", "deaf-to-home", "end-moving", "hang-moving", "single"):
     parser.add_argument(f"--{name}", action="store_true")
 parser.add_argument("--after", type=float, default=0.1)
 parser.add_argument("--shafts")

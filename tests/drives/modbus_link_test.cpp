@@ -188,9 +188,11 @@ TEST_CASE("Whatever strikes drivers on Modbus in a move is named, and the arm re
     std::vector<std::string> options;
     const char* said;
     bool answers;
+    bool broadcasts{true};
   };
   const std::vector<Fault> faults{
       {{"--mute-moving", "2"}, "drive 2 (address 2) does not tell its", false},
+      {{"--mute-moving", "2", "--single"}, "drive 2 (address 2) does not tell its", false, false},
       {{"--alarm-moving", "3"}, "drive 3 (address 3) reports alarm 0xe0", true},
       {{"--stall-moving", "1"}, "where it was sent to 100000, 30000, -30000", true},
       {{"--end-moving"}, "drive ", false},
@@ -209,7 +211,11 @@ TEST_CASE("Whatever strikes drivers on Modbus in a move is named, and the arm re
           std::string("--at"), std::string("70000,0,0")})  // which shows the order of words
       options.push_back(word);
     INFO(fmt::format("{}", fmt::join(options, " ")));
-    const Bus bus(options);
+    Bus bus(options);
+    if (!fault.broadcasts) {
+      bus.line.map.move.push_back(*bus.line.map.start);
+      bus.line.map.start.reset();
+    }
     LinkedDrives drives = bus.drives();
     make_ready(drives);
     drives.set_targets({30000, 30000, -30000});

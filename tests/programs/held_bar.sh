@@ -20,3 +20,10 @@ lay() {
 lay 150 150 0 "the bar is seen with its middle near (25[0-9.]*, 1[45]"
 lay -300 100 90 "the bar is seen with its middle near (-[23][0-9.]*, [12][0-9]"
 [ -e bar/bar_01.png ] && [ ! -e bar/bar_02.png ] || fail "taken: $(ls bar)"
+
+# One that a person has deleted is taken anew, and the other stays.
+sha256sum bar/bar_01.png >kept.txt
+rm bar/bar_00.png
+lay 150 150 0 "the bar is seen with its middle near (25[0-9.]*, 1[45]"
+sha256sum --quiet -c kept.txt || fail "a picture was replaced"
+[ -e bar/bar_00.png ] || fail "taken: $(ls bar)"

@@ -26,7 +26,6 @@ constexpr char kTable[] = "the table";
 constexpr std::size_t kMostName = 64;
 /// A cell that was found well less long ago is moved in without another check.
 constexpr double kWellFor_s = 600.0;
-constexpr double kSoon_s = 5.0;
 
 std::vector<TargetRow> targets_in(const std::string& csv, const std::string& where) {
   TargetLines lines(where);
@@ -178,29 +177,30 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
   std::future<int> number = begun->get_future();
   const std::string text =
       fmt::format("{}{}", name_in(kDoings, doing), name.empty() ? "" : ": " + name);
-  worker_.begin(doing, text, known,
-                [=, begun = std::move(begun)](CellDevices& devices, const Stop& stop) {
-                  bool is_begun = false;
-                  const auto begin_now = [&](std::size_t done, std::size_t all) {
-                    begun->set_value(begin_state({0, kind, name, done, all}));
-                    is_begun = true;
-                  };
-                  try {
-                    end(work(devices, stop, begin_now));
-                  } catch (const std::exception& error) {
-                    if (!is_begun) return begun->set_exception(std::current_exception());
-                    const bool stopped = dynamic_cast<const StopRequested*>(&error) != nullptr;
-                    if (!stopped) hold(error.what());
-                    end({error.what(), false, stopped ? "warning" : "error"});
-                  }
-                });
+  worker_.begin(
+      doing, text, known,
+      [=, begun = std::move(begun)](CellDevices& devices, const Stop& stop) -> CellWorker::Tell {
+        bool is_begun = false;
+        const auto begin_now = [&](std::size_t done, std::size_t all) {
+          begun->set_value(begin_state({0, kind, name, done, all}));
+          is_begun = true;
+        };
+        try {
+          const Ending ending = work(devices, stop, begin_now);
+          return [=] { end(ending); };
+        } catch (const std::exception& error) {
+          if (!is_begun)
+            return [begun, fault = std::current_exception()] { begun->set_exception(fault); };
+          const bool stopped = dynamic_cast<const StopRequested*>(&error) != nullptr;
+          if (!stopped) hold(error.what());
+          const Ending ending{error.what(), false, stopped ? "warning" : "error"};
+          return [=] { end(ending); };
+        }
+      });
   try {
     return number.get();
   } catch (const std::future_error&) {
     throw CellBusy("was stopped before it began");
-  } catch (const std::exception&) {
-    worker_.wait_for_rest(kSoon_s);  // so that the next request finds the cell idle
-    throw;
   }
 }
 

@@ -129,7 +129,7 @@ bool CellWorker::keep() {
 
 void CellWorker::begin(Doing doing, const std::string& text, StopsKnown known, Job job) {
   post(doing, text, known, [this, job = std::move(job)] {
-    job(*devices_, [this] { return must_stop(); });
+    performed_->at_end = job(*devices_, [this] { return must_stop(); });
     jog_->arm().take_over();
     read_doubts();
   });
@@ -266,6 +266,7 @@ void CellWorker::note_idle(const std::shared_ptr<Task>& ended) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (task_ != ended) return;
   task_.reset();
+  if (ended && ended->at_end) ended->at_end();
   board_.note(Doing::kIdle, arm && !arm->to_do.empty() ? "idle; first " + arm->to_do : "idle");
   changed_.notify_all();
 }

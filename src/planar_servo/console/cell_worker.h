@@ -53,8 +53,10 @@ class CellWorker {
   static constexpr double kHold_s{0.2};
 
   /// Work that takes the arm over from the jogging: it uses `devices`, and ends with an exception
-  /// where `stop` returned true.
-  using Job = std::function<void(CellDevices& devices, const std::function<bool()>& stop)>;
+  /// where `stop` returned true. What it returns tells of the end, and is called as the cell gets
+  /// idle, so that whoever hears of it may order at once.
+  using Tell = std::function<void()>;
+  using Job = std::function<Tell(CellDevices& devices, const std::function<bool()>& stop)>;
   /// Begins a job and returns at once. Throws as command() does.
   void begin(Doing doing, const std::string& text, StopsKnown known, Job job);
 
@@ -83,6 +85,7 @@ class CellWorker {
     Doing doing{Doing::kIdle};
     std::string text;
     std::function<void()> act;
+    Tell at_end{};           ///< may be empty
     std::uint64_t begun{0};  ///< number of the first state that shows it
     std::atomic<bool> stopped{false};
     std::atomic<double> held_until_s;

@@ -249,10 +249,6 @@ std::vector<ReferenceLamp> read_reference_remarks(const std::filesystem::path& p
   return lamps;
 }
 
-TableForm lamp_form() {
-  return form_of(lamp_schema());
-}
-
 void read_pairs(const std::filesystem::path& path,
                 const std::function<void(const PairRow&)>& take) {
   if (is_error_grid(path)) return read_grid(path, take);
@@ -283,16 +279,9 @@ std::vector<ArmSampleRow> read_arm_samples(const std::filesystem::path& path) {
   return TableFile<ArmSampleRow>(path, arm_sample_schema()).rows();
 }
 
-TableForm pair_form() {
-  return form_of(pair_schema());
-}
-
-TableForm lay_form() {
-  return form_of(lay_schema());
-}
-
-TableForm arm_sample_form() {
-  return form_of(arm_sample_schema());
+std::vector<TableForm> pair_forms() {
+  return {form_of(lamp_schema()), form_of(pair_schema()), form_of(lay_schema()),
+          form_of(arm_sample_schema())};
 }
 
 }  // namespace planar

@@ -126,12 +126,8 @@ void list_pulses(Columns& columns, Pulses& pulses) {
   columns.whole_number("m3_pulses", pulses[2]);
 }
 
-TableForm plan_form() {
-  return form_of(plan_schema(0.0));
-}
-
-TableForm frame_form() {
-  return form_of(frame_schema());
+std::vector<TableForm> recording_forms() {
+  return {form_of(plan_schema(0.0)), form_of(frame_schema())};
 }
 
 }  // namespace planar

@@ -172,10 +172,6 @@ std::vector<JudgedMove> read_cycles(const std::filesystem::path& path) {
   return TableFile<JudgedMove>(path, cycle_schema()).any_rows();
 }
 
-TableForm cycle_form() {
-  return form_of(cycle_schema());
-}
-
 std::array<std::string, 3> ResultError::columns() const {
   return {fmt::format("{}_mm", name), fmt::format("{}_dx_mm", name), fmt::format("{}_dy_mm", name)};
 }
@@ -226,12 +222,8 @@ std::vector<StepError> read_step_errors(const std::filesystem::path& path) {
   return TableFile<StepError>(path, step_error_schema()).rows();
 }
 
-TableForm result_form() {
-  return form_of(result_schema());
-}
-
-TableForm step_form() {
-  return form_of(step_schema());
+std::vector<TableForm> result_forms() {
+  return {form_of(cycle_schema()), form_of(result_schema()), form_of(step_schema())};
 }
 
 }  // namespace planar

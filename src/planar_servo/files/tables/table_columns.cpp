@@ -7,6 +7,8 @@
 #include <fstream>
 #include <limits>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -14,11 +16,17 @@
 namespace planar {
 namespace {
 
+/// All forms by their kinds.
 const std::vector<TableForm>& forms() {
-  static const std::vector<TableForm> all{
-      cycle_form(),  error_grid_form(), frame_form(),     lamp_form(),        lay_form(),
-      pair_form(),   path_form(),       path_look_form(), path_result_form(), plan_form(),
-      result_form(), arm_sample_form(), step_form(),      target_form(),      tracker_form()};
+  static const std::vector<TableForm> all = [] {
+    std::vector<TableForm> forms{error_grid_form(), tracker_form()};
+    for (const auto& of : {pair_forms, recording_forms, result_forms, target_forms})
+      for (TableForm& form : of()) forms.push_back(std::move(form));
+    std::sort(forms.begin(), forms.end(), [](const TableForm& a, const TableForm& b) {
+      return std::string_view(a.kind) < b.kind;
+    });
+    return forms;
+  }();
   return all;
 }
 

@@ -51,21 +51,12 @@ struct TableForm {
   std::function<void(Columns&)> read_row;  ///< whose faults the table collects
 };
 
-// Each of these returns one kind's form; its schema stands in the source of the table.
-TableForm arm_sample_form();
-TableForm cycle_form();
+// Each of these returns the forms of one source, where their schemas stand.
+std::vector<TableForm> pair_forms();
+std::vector<TableForm> recording_forms();
+std::vector<TableForm> result_forms();
+std::vector<TableForm> target_forms();
 TableForm error_grid_form();
-TableForm frame_form();
-TableForm lamp_form();
-TableForm lay_form();
-TableForm pair_form();
-TableForm path_form();
-TableForm path_look_form();
-TableForm path_result_form();
-TableForm plan_form();
-TableForm result_form();
-TableForm step_form();
-TableForm target_form();
 TableForm tracker_form();
 
 template <typename Row>

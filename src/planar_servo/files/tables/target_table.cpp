@@ -199,10 +199,6 @@ std::optional<TargetRow> TargetLines::next(const std::string& line, bool has_end
   return target;
 }
 
-TableForm target_form() {
-  return form_of(target_schema());
-}
-
 Path read_path(const CsvSource& source, double tool_orientation) {
   TableFile<PathRow> table(source, path_schema());
   std::vector<Waypoint> waypoints;
@@ -242,16 +238,9 @@ std::string path_result_line(const PathSpeedResult& result) {
   return result_schema_of_paths().line(result);
 }
 
-TableForm path_form() {
-  return form_of(path_schema());
-}
-
-TableForm path_look_form() {
-  return form_of(look_schema());
-}
-
-TableForm path_result_form() {
-  return form_of(result_schema_of_paths());
+std::vector<TableForm> target_forms() {
+  return {form_of(target_schema()), form_of(path_schema()), form_of(look_schema()),
+          form_of(result_schema_of_paths())};
 }
 
 }  // namespace planar
