@@ -168,6 +168,7 @@ std::vector<Finding> question_places(const std::string& key, const std::vector<d
 
 std::vector<Finding> question_datum(const std::vector<Monument>& datum, double arm_m) {
   std::vector<double> distances_m;
+  distances_m.reserve(datum.size());
   for (const Monument& monument : datum) distances_m.push_back(monument.p_B.head<2>().norm());
   return question_places("datum", distances_m, arm_m);
 }
@@ -175,6 +176,7 @@ std::vector<Finding> question_datum(const std::vector<Monument>& datum, double a
 std::vector<Finding> question_reference_lamps(const std::vector<ReferenceLampLayout>& lamps,
                                               double arm_m) {
   std::vector<double> distances_m;
+  distances_m.reserve(lamps.size());
   for (const ReferenceLampLayout& lamp : lamps)
     if (lamp.p_B) distances_m.push_back(lamp.p_B->norm());
   return question_places("reference_lamps", distances_m, arm_m);

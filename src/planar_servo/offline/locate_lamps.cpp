@@ -427,6 +427,7 @@ std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
 
 std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& files) {
   std::vector<LampImage> images;
+  images.reserve(files.size());
   for (const std::filesystem::path& file : files)
     images.push_back({file.stem().string(), file.string(), file, {}, {}, {}});
   return as_one_set(std::move(images));

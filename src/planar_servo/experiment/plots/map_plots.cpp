@@ -143,6 +143,7 @@ std::vector<Panel> prediction_panels(const PlotData& data, const DrawnMap& drawn
                 {"length of the vision error, mm", 0.0, 1.05 * most});
     const auto add = [&](Eigen::Vector2d PredictedPlace::*error, const char* color) {
       std::vector<Eigen::Vector2d> curve;
+      curve.reserve(circle.size());
       for (const PredictedPlace& place : circle)
         curve.emplace_back(place.index + 1.0, mm((place.*error).norm()));
       panel.add_line(curve, Panel::Stroke::kSolid, color);
