@@ -172,14 +172,16 @@ RshConnection::RshConnection(const LinuxcncHost& host) {
     reader_.emplace(socket_);
     const int yes = 1;
     setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    const std::string hello = ask(fmt::format("hello {} planar-servo 1.0", host.password));
+    constexpr int kTries = 3;  // an answer may be another connection's
+    std::string hello;
+    for (int i = 0; i < kTries && hello.rfind("HELLO ACK", 0) != 0; ++i)
+      hello = ask(fmt::format("hello {} planar-servo 1.0", host.password));
     if (hello.rfind("HELLO ACK", 0) != 0)
       fail(fmt::format("it answers '{}'", hello),
            "correct `port`, or `password`, which [DISPLAY] or linuxcncrsh's -p sets");
     send("set echo off");
     while (hear(0.05)) {
     }
-    constexpr int kTries = 3;  // an answer may be another connection's
     bool is_verbose = false;
     for (int i = 0; i < kTries && !is_verbose; ++i)
       is_verbose = ask("set verbose on").rfind("SET VERBOSE ACK", 0) == 0;
