@@ -57,6 +57,17 @@ def try_other_programs(console, cell):
     console.command("joint 1 1")
 
 
+def try_end_with_failed_drives(console, wire):
+    """It ends as any other."""
+    wire.ends = True  # nothing passes any more
+    until = time.monotonic() + PATIENCE_S
+    while not any(doubt["where"].startswith("drive") for doubt in console.ask("/api/state")["doubts"]):
+        check(time.monotonic() < until, "drives that do not answer are no doubt")
+        time.sleep(0.1)
+    status = console.end()
+    check(status == 0, f"it ended with {status}")
+
+
 def main():
     os.mkdir(LIVE)
     cell, link = f"{LIVE}/cell.yaml", os.path.abspath(f"{LIVE}/drives")
@@ -69,6 +80,7 @@ def main():
             console.command("home")
             try_lost_jogs(console, wire)
             try_other_programs(console, cell)
+            try_end_with_failed_drives(console, wire)
 
 
 main()

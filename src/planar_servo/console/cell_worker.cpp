@@ -77,6 +77,8 @@ CellWorker::~CellWorker() {
   ending_ = true;
   changed_.notify_all();
   thread_.join();
+  jog_.reset();  // asks the drives once more, which are watched until they are gone
+  devices_.reset();
 }
 
 std::string CellWorker::command(const ArmCommand& command, const std::string& words,
