@@ -33,7 +33,7 @@ Outcome calibrate(const Options& options) {
   const std::vector<Origin> origins{origin_of({Role::kPairs, options.table}), arm_origin(cell)};
   write_file(options.output,
              found_arm_text(fit.estimate.arm(), arm_terms(fit.estimate), origins, kText.name));
-  const Outcome outcome = told(arm_list(fit));
+  Outcome outcome = told(arm_list(fit));
   if (page) write_page(*page, arm_page(fit, options.output));
   return outcome;
 }

@@ -61,7 +61,7 @@ Outcome calibrate(const Options& options) {
   views.problem.model = options.model;
   CameraCalibration found = calibrate_camera(views.problem, views.rejected);
   write_camera(options.output, found, kText.name, views.inputs);
-  const Outcome outcome = told(calibration_list(found));
+  Outcome outcome = told(calibration_list(found));
   if (page) write_page(*page, camera_page(found, options.output, views.inputs));
   return outcome;
 }

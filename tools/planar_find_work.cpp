@@ -116,7 +116,7 @@ Outcome find(const Options& options) {
   write_file(options.out,
              work_text({options.out, exposure_of(options), works},
                        work_origins(settings, options.drawing, uses_error_map(cell)), kText.name));
-  const Outcome outcome = told(work_list(works));
+  Outcome outcome = told(work_list(works));
   if (page) write_page(*page, work_page(works, frames.front().image, options.out));
   return outcome;
 }

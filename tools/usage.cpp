@@ -77,6 +77,7 @@ std::string long_name(const CLI::Option& option) {
 
 std::string names_of(const std::set<CLI::Option*>& options) {
   std::vector<std::string> names;
+  names.reserve(options.size());
   for (const CLI::Option* option : options) names.push_back(long_name(*option));
   std::sort(names.begin(), names.end());
   return fmt::format("{}", fmt::join(names, ", "));

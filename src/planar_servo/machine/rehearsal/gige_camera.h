@@ -7,8 +7,8 @@
 #include <string>
 
 // Aravis' fake camera and its server, as <arv.h> declares them.
-using ArvFakeCamera = struct _ArvFakeCamera;
-using ArvGvFakeCamera = struct _ArvGvFakeCamera;
+using ArvFakeCamera = struct _ArvFakeCamera;      // NOLINT(bugprone-reserved-identifier)
+using ArvGvFakeCamera = struct _ArvGvFakeCamera;  // NOLINT(bugprone-reserved-identifier)
 
 namespace planar {
 
