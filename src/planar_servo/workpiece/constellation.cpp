@@ -37,8 +37,7 @@ struct Hypothesis {
 
 bool fits(const Fiducial& mark, const MarkCandidate& candidate) {
   if (candidate.kind != mark.kind || candidate.z != mark.z) return false;
-  if (mark.kind == FiducialKind::kAprilTag && tag_number(mark.id) != candidate.sight.tag)
-    return false;
+  if (!may_have_tag(mark, candidate.sight.tag)) return false;
   return mark.kind == FiducialKind::kChessCorner ||
          std::abs(candidate.size - mark.size) < kMarkSizeShare * mark.size;
 }

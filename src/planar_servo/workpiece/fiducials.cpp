@@ -335,6 +335,10 @@ std::optional<int> tag_number(const std::string& id) {
   return std::stoi(digits);
 }
 
+bool may_have_tag(const Fiducial& mark, std::optional<int> tag) {
+  return mark.kind != FiducialKind::kAprilTag || tag_number(mark.id) == tag;
+}
+
 std::vector<FiducialSight> find_fiducials(const cv::Mat& image, FiducialKind kind, double size_px) {
   require_8_bit(image);
   if (kind == FiducialKind::kChessCorner) return find_chess_corners(image, size_px);

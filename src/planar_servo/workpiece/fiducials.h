@@ -37,6 +37,9 @@ struct Fiducial {
 /// Returns the number with which the id of an AprilTag ends; empty where it ends with none.
 std::optional<int> tag_number(const std::string& id);
 
+/// Returns whether a mark may be the tag of this number; any may that is no tag.
+bool may_have_tag(const Fiducial& mark, std::optional<int> tag);
+
 /// A mark as a picture shows it, in the picture's pixels.
 struct FiducialSight {
   Eigen::Vector2d uv_px{0.0, 0.0};

@@ -487,14 +487,6 @@ std::vector<FoundFiducial> see_like(const std::vector<Frame>& frames,
   return found;
 }
 
-namespace {
-
-bool is_same_tag(const Fiducial& mark, const Fiducial& seen) {
-  return mark.kind != FiducialKind::kAprilTag || tag_number(mark.id) == tag_number(seen.id);
-}
-
-}  // namespace
-
 std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
                                      const VisionCalibration& vision,
                                      const std::vector<Fiducial>& marks_B) {
@@ -506,7 +498,7 @@ std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
     if (is_new) seen->second = see_like(frames, vision, mark);
     std::vector<FoundFiducial> near;
     for (const FoundFiducial& one : seen->second)
-      if ((one.p_B - mark.p_W).norm() < kNear && is_same_tag(mark, one.fiducial))
+      if ((one.p_B - mark.p_W).norm() < kNear && may_have_tag(mark, tag_number(one.fiducial.id)))
         near.push_back(one);
     if (near.size() > 1)
       throw WorkError({fmt::format("{} of the base could be any of {} marks within {:g} mm of {}",

@@ -68,11 +68,6 @@ bool has_tracker(const WorkFiles& work) {
   return work.cell().tracker.kind->measures() || !work.cell().datum.empty();
 }
 
-bool names(const std::vector<Origin>& origins, Role role) {
-  return std::any_of(origins.begin(), origins.end(),
-                     [&](const Origin& origin) { return origin.role == role; });
-}
-
 /// Returns the options by which a bar and marks of the base enter the fit.
 std::string anchor_options(const WorkFiles& work) {
   std::string options;
@@ -111,7 +106,7 @@ WorkStep map_step(const WorkFiles& work) {
   Reason reason = work.stale_by_table(files[0]);
   if (!reason) reason = work.reason_of(files);
   for (const MadeFile& anchor : work.anchors())
-    if (!reason && !names(read_origins(files[0]), anchor.role))
+    if (!reason && find_role(read_origins(files[0]), anchor.role) == nullptr)
       reason = fmt::format("{} was made without {}", files[0].string(), anchor.path.string());
   return step("error map", reason, work.description(files[0]), reason ? map_command(work) : "");
 }

@@ -172,20 +172,20 @@ RshConnection::RshConnection(const LinuxcncHost& host) {
     reader_.emplace(socket_);
     const int yes = 1;
     setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    constexpr int kTries = 3;  // an answer may be another connection's
-    std::string hello;
-    for (int i = 0; i < kTries && hello.rfind("HELLO ACK", 0) != 0; ++i)
-      hello = ask(fmt::format("hello {} planar-servo 1.0", host.password));
-    if (hello.rfind("HELLO ACK", 0) != 0)
-      fail(fmt::format("it answers '{}'", hello),
+    std::string answer;
+    const auto is_acknowledged = [&](const std::string& line, const char* with) {
+      constexpr int kTries = 3;  // an answer may be another connection's
+      for (int i = 0; i < kTries; ++i)
+        if ((answer = ask(line)).rfind(with, 0) == 0) return true;
+      return false;
+    };
+    if (!is_acknowledged(fmt::format("hello {} planar-servo 1.0", host.password), "HELLO ACK"))
+      fail(fmt::format("it answers '{}'", answer),
            "correct `port`, or `password`, which [DISPLAY] or linuxcncrsh's -p sets");
     send("set echo off");
     while (hear(0.05)) {
     }
-    bool is_verbose = false;
-    for (int i = 0; i < kTries && !is_verbose; ++i)
-      is_verbose = ask("set verbose on").rfind("SET VERBOSE ACK", 0) == 0;
-    if (!is_verbose) fail("it is no linuxcncrsh", kStart);
+    if (!is_acknowledged("set verbose on", "SET VERBOSE ACK")) fail("it is no linuxcncrsh", kStart);
   } catch (...) {
     close(socket_);
     throw;

@@ -33,6 +33,8 @@ class EmulatedGrbl {
   EmulatedGrbl(std::filesystem::path port, const Settings& settings, OnPosition on_position = {});
 
   std::string port() const { return port_.name(); }
+  /// Throws what has ended the board's thread.
+  void require_well() const { server_->require_well(); }
   /// Places the switch of each axis, its shaft's millimetres. Without them a search fails.
   void place_switches(const std::optional<Eigen::Vector3d>& at_mm);
 

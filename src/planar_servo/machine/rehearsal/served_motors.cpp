@@ -160,6 +160,7 @@ bool ServedMotors::put_at_marks() {
 }
 
 void ServedMotors::require_well() const {
+  if (emulated_) emulated_->require_well();
   if (firmware_) firmware_->require_well();
   if (shafts_) shafts_->require_well();
 }
