@@ -3,8 +3,22 @@
 #include <algorithm>
 #include <utility>
 
+#include "planar_servo/base/core/text.h"
+
 namespace planar {
 namespace {
+
+constexpr Named<Cause> kCauses[] = {{Cause::kInvalid, "invalid"},
+                                    {Cause::kMissing, "missing"},
+                                    {Cause::kExists, "exists"},
+                                    {Cause::kForeign, "foreign"},
+                                    {Cause::kContradiction, "contradiction"},
+                                    {Cause::kInsufficient, "insufficient"},
+                                    {Cause::kUnreachable, "unreachable"},
+                                    {Cause::kBusy, "busy"},
+                                    {Cause::kDevice, "device"},
+                                    {Cause::kSystem, "system"},
+                                    {Cause::kStopped, "stopped"}};
 
 std::string lines(const std::vector<Refusal>& refusals, std::size_t n_more) {
   std::string text;
@@ -14,12 +28,14 @@ std::string lines(const std::vector<Refusal>& refusals, std::size_t n_more) {
 
 }  // namespace
 
+const char* to_text(Cause cause) { return name_in(kCauses, cause); }
+
 std::string Refusal::text() const {
   return (where.empty() ? "" : where + ": ") + fault + (remedy.empty() ? "" : "; " + remedy);
 }
 
 Refusal Refusal::at(const std::string& place) const {
-  return {fault, remedy, where.empty() ? place : place + ": " + where};
+  return {fault, remedy, where.empty() ? place : place + ": " + where, cause};
 }
 
 InputError::InputError(std::vector<Refusal> refusals, std::size_t n_more)

@@ -10,11 +10,29 @@
 
 namespace planar {
 
-/// Says why something cannot be used, what mends that, and where it was found.
+/// What kind of fault it is, for programs and tests: the words of a refusal are for people.
+enum class Cause {
+  kInvalid,        ///< it breaks a rule: its form, its range, an unknown name, wrong usage
+  kMissing,        ///< it is not there: a file, a key, a column, a part of the cell
+  kExists,         ///< it is there already and would be lost, or it is named twice
+  kForeign,        ///< it was made from, or belongs to, something else than what it is used with
+  kContradiction,  ///< measurements or statements contradict one another
+  kInsufficient,   ///< the data do not determine what is asked: too few, too alike, no convergence
+  kUnreachable,    ///< no motion leads there: limits, sight, obstacles
+  kBusy,           ///< something else has it now; later it is free
+  kDevice,         ///< a device is lost, silent, not ready, or refuses
+  kSystem,         ///< the computer refuses: a file, a folder, a port, memory
+  kStopped,        ///< somebody asked to stop
+};
+/// Returns the word for a cause, such as "missing".
+const char* to_text(Cause cause);
+
+/// Says why something cannot be used, what mends that, where it was found, and the kind of fault.
 struct Refusal {
   std::string fault;
   std::string remedy{};  ///< empty where none is known
   std::string where{};   ///< such as FILE, FILE:LINE or an option; empty where the fault says it
+  Cause cause{Cause::kInvalid};
 
   /// Returns all in one line, `where: fault; remedy`.
   std::string text() const;
@@ -22,7 +40,7 @@ struct Refusal {
   Refusal at(const std::string& place) const;
 
   friend bool operator==(const Refusal& a, const Refusal& b) {
-    return a.fault == b.fault && a.remedy == b.remedy && a.where == b.where;
+    return a.fault == b.fault && a.remedy == b.remedy && a.where == b.where && a.cause == b.cause;
   }
 };
 
@@ -36,7 +54,8 @@ struct Rejection {
 /// with status 2. Each refusal says what is wrong, where, the value, the rule and the remedy.
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(const std::string& fault) : InputError(Refusal{fault}) {}
+  explicit InputError(const std::string& fault, Cause cause = Cause::kInvalid)
+      : InputError(Refusal{fault, "", "", cause}) {}
   explicit InputError(const Refusal& refusal) : InputError({refusal}, 0) {}
   /// Reports one or more refusals, one per line, and how many further ones there are.
   InputError(std::vector<Refusal> refusals, std::size_t n_more);
@@ -53,7 +72,7 @@ class InputError : public std::runtime_error {
 /// Programs exit with status 1.
 class WorkError : public std::runtime_error {
  public:
-  explicit WorkError(const std::string& fault) : WorkError(Refusal{fault}) {}
+  WorkError(const std::string& fault, Cause cause) : WorkError(Refusal{fault, "", "", cause}) {}
   explicit WorkError(const Refusal& refusal)
       : std::runtime_error(refusal.text()), refusal_(refusal) {}
 

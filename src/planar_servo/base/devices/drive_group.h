@@ -55,6 +55,8 @@ class PulseDrive {
 /// A drive failed, refuses a command or is not ready. It may recover while the program runs.
 class DriveError : public WorkError {
  public:
+  explicit DriveError(const std::string& fault, Cause cause = Cause::kDevice)
+      : WorkError(fault, cause) {}
   using WorkError::WorkError;
 };
 
