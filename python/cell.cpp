@@ -123,7 +123,7 @@ class Cell {
     return work([&] {
       ReadyCell& cell = ready();
       if (const auto unwell = cell.examine_if_due(); unwell && !unwell->empty())
-        throw WorkError(*unwell);
+        throw WorkError(*unwell, Cause::kContradiction);
       const ServoResult result = attempts(cell, {place, turn}, observer_of(on_step));
       cell.keep_lessons_if_due();
       return result;
@@ -169,7 +169,8 @@ class Cell {
       devices_->camera().set_region(cv::Rect({}, devices_->camera().sensor_size_px()));
       FrameResult result = devices_->camera().next_frame();
       if (result.status != FrameStatus::kOk)
-        throw WorkError(std::string("the camera gave no picture: ") + name(result.status));
+        throw WorkError(std::string("the camera gave no picture: ") + name(result.status),
+                        Cause::kDevice);
       ready_.reset();  // its sensor knows another region
       return result.frame;
     });
@@ -206,8 +207,9 @@ class Cell {
   template <typename Work>
   auto work(const Work& work) -> decltype(work()) {
     if (is_busy_.exchange(true))
-      throw WorkError(Refusal{"the cell is at work in another call",
-                              "wait for its end, or stop() it; on_step must not move the cell"});
+      throw WorkError({"the cell is at work in another call",
+                       "wait for its end, or stop() it; on_step must not move the cell", "",
+                       Cause::kBusy});
     struct Idle {
       std::atomic<bool>& is_busy;
       ~Idle() {
@@ -216,7 +218,7 @@ class Cell {
       }
     } const idle{is_busy_};
     ++at_work;
-    if (is_ending) throw WorkError(Refusal{"Python is ending"});
+    if (is_ending) throw WorkError("Python is ending", Cause::kStopped);
     if (!devices_) throw InputError(Refusal{"the cell is closed", "open it again by Cell(path)"});
     return stop_.during(work);
   }

@@ -41,7 +41,8 @@ py::object predict_places(const HeldMap& held, const py::object& p_vision, const
   require_metres("p_vision", places.values);
   const auto directions = optional_numbers("phi", phi, places.count());
   if (!directions && depends_on_direction(map))
-    throw InputError({"is missing", "this map needs the tool's direction, radians", "phi"});
+    throw InputError(
+        {"is missing", "this map needs the tool's direction, radians", "phi", Cause::kMissing});
   Results errors(places, {2}), sigmas(places, {});
   py::array_t<bool> inside(places.count());
   bool* const is_inside = inside.mutable_data();

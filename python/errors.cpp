@@ -31,10 +31,11 @@ std::string in_python(std::string text) {
 }
 
 void raise(const char* kind, const std::string& message, const std::vector<Refusal>& refusals) {
-  std::vector<std::tuple<std::string, std::string, std::string>> told;
+  std::vector<std::tuple<std::string, std::string, std::string, std::string>> told;
   told.reserve(refusals.size());
   for (const Refusal& refusal : refusals)
-    told.emplace_back(refusal.fault, in_python(refusal.remedy), refusal.where);
+    told.emplace_back(refusal.fault, in_python(refusal.remedy), refusal.where,
+                      to_text(refusal.cause));
   const py::object type = py::module_::import("planar_servo._errors").attr(kind);
   PyErr_SetObject(type.ptr(), type(in_python(message), told).ptr());
 }

@@ -67,8 +67,7 @@ Outcome work(const Options& options) {
   auto findings = examine_cell(options.cell);
   if (is_sound(findings)) {
     if (const auto doubt = foresee_check(read_calibrated_cell(read_cell(options.cell))).doubt)
-      findings.push_back(
-          {{doubt->fault, doubt->remedy, doubt->where}, Finding::Verdict::kDoubtful});
+      findings.push_back({*doubt, Finding::Verdict::kDoubtful});
   }
   if (const char* folders = std::getenv("PATH"))
     for (Finding& finding : question_installations(own_file(), folders))

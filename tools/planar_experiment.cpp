@@ -78,7 +78,8 @@ class Crew {
       const pid_t copy = fork();
       if (copy < 0)
         throw WorkError(fmt::format("process {} of {} could not be started: {}", i + 2, count + 1,
-                                    std::generic_category().message(errno)));
+                                    std::generic_category().message(errno)),
+                        Cause::kSystem);
       if (copy > 0) {
         copies_.push_back(copy);
         continue;

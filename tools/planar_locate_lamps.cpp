@@ -65,7 +65,8 @@ void require_inputs(const std::vector<fs::path>& inputs) {
   Faults faults;
   for (const fs::path& input : inputs)
     if (!fs::exists(input))
-      faults.add({"does not exist", "a recording's folder or images are needed", input});
+      faults.add(
+          {"does not exist", "a recording's folder or images are needed", input, Cause::kMissing});
   faults.throw_if_any();
 }
 

@@ -407,7 +407,7 @@ std::vector<double> speeds_of(const Options& options, const std::optional<Drawin
   } catch (const InputError& e) {
     throw InputError(
         {fmt::format("its feed is {:g} mm/s; {}", mm(*drawing->speed_m_s), e.refusal().fault),
-         "name a speed with --speed-mm-s", options.path});
+         "name a speed with --speed-mm-s", options.path, e.refusal().cause});
   }
 }
 

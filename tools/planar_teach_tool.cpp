@@ -82,16 +82,18 @@ std::vector<TipAtMark> poses_of(const Options& options, const CellSettings& cell
   if (table.empty()) {
     table = (options.out.empty() ? options.check : options.out).string() + ".poses.csv";
     if (fs::exists(table))
-      throw InputError(
-          {"exists already", "give it with --poses, or take it away to begin anew", table});
+      throw InputError({"exists already", "give it with --poses, or take it away to begin anew",
+                        table, Cause::kExists});
     jog_by_lines(cell, table);
     if (!fs::exists(table))
-      throw InputError(Refusal{"no pose was taught", "bring the tip to the mark, then 'teach ID'"});
+      throw InputError({"no pose was taught", "bring the tip to the mark, then 'teach ID'", "",
+                        Cause::kMissing});
   }
   std::vector<TipAtMark> poses;
   for (const TargetRow& row : read_targets(table)) {
     if (!row.phi_d)
-      throw InputError({"has a place without a direction", "teach places with planar-jog", table});
+      throw InputError({"has a place without a direction", "teach places with planar-jog", table,
+                        Cause::kMissing});
     poses.push_back({row.id, {row.p_d, *row.phi_d}});
   }
   return poses;

@@ -85,7 +85,8 @@ Outcome draw(const Options& options) {
   const DrawTruth draw_truth_like = value_named(kCellKinds, options.like).value();
   const fs::path cell = options.folder / "cell.yaml", truth = options.folder / "truth.yaml";
   for (const fs::path& path : {cell, truth})
-    if (fs::exists(path)) throw InputError({"exists already", "name another folder", path});
+    if (fs::exists(path))
+      throw InputError({"exists already", "name another folder", path, Cause::kExists});
   make_folder(options.folder);
   write_file(cell, cell_text_like(draw_truth_like));
   Truth drawn = draw_truth_like(options.seed);
@@ -124,7 +125,7 @@ Outcome serve(const Options& options) {
     throw InputError({"exists already",
                       "name another file, or leave out --out, since served cells are found at the "
                       "same places again",
-                      options.live_cell});
+                      options.live_cell, Cause::kExists});
   if (writes_cell) require_writable(options.live_cell, "cell");
   heed_interrupts();
   ServedCell served(request);

@@ -186,7 +186,8 @@ void occupy_closed_streams() {
 void require_printed() {
   std::cout.flush();
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout)
-    throw WorkError("standard output cannot be written; what was to be printed there is lost");
+    throw WorkError("standard output cannot be written; what was to be printed there is lost",
+                    Cause::kSystem);
 }
 
 volatile std::sig_atomic_t interrupts = 0;
@@ -249,8 +250,8 @@ std::optional<std::filesystem::path> page_for(const std::string& report,
     throw InputError(
         {"--report is '" + report + "'", "a name that ends in .html, or none, is needed"});
   if (page.lexically_normal() == output.lexically_normal())
-    throw InputError(
-        {"is the name of the page as well", "name another file for --report, or none", output});
+    throw InputError({"is the name of the page as well", "name another file for --report, or none",
+                      output, Cause::kExists});
   require_writable(page, "page");
   return page;
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class _Refused(Exception):
-    def __init__(self, message: str, refusals: list[tuple[str, str, str]]) -> None:
+    def __init__(self, message: str, refusals: list[tuple[str, str, str, str]]) -> None:
         super().__init__(message)
         self.refusals = refusals
 
@@ -23,11 +23,16 @@ class _Refused(Exception):
         """The argument, or FILE, FILE:LINE; empty where the fault says it."""
         return self.refusals[0][2]
 
+    @property
+    def cause(self) -> str:
+        """The kind of fault, a word such as "missing" (doc/api.md); empty where it is not known."""
+        return self.refusals[0][3]
+
 
 class InputError(_Refused, ValueError):
     """Wrong input: a file or an argument that breaks a rule. Nothing was done.
 
-    ``refusals`` lists every fault found as (fault, remedy, where).
+    ``refusals`` lists every fault found as (fault, remedy, where, cause).
     """
 
 

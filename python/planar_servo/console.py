@@ -39,10 +39,8 @@ class Console:
         parts = urllib.parse.urlsplit(address)
         tokens = urllib.parse.parse_qs(parts.query).get("token")
         if parts.scheme not in ("http", "https") or not parts.netloc or not tokens:
-            raise InputError(
-                f"{address!r} is no address of a console",
-                [(f"{address!r} is no address of a console", "give it as planar-console prints it", "address")],
-            )
+            fault = f"{address!r} is no address of a console"
+            raise InputError(fault, [(fault, "give it as planar-console prints it", "address", "invalid")])
         self._origin = f"{parts.scheme}://{parts.netloc}"
         self._tls = None if certificate is None else ssl.create_default_context(cafile=certificate)
         self._stops, self._stopped_s = 0, -math.inf  # the number of the own stop, and when
@@ -101,7 +99,7 @@ class Console:
         """
         answer = self._json("/api/command", {"line": line}, patience_s=None)
         if not answer["done"]:
-            raise WorkError(answer["text"], [(answer["text"], "", line)])
+            raise WorkError(answer["text"], [(answer["text"], "", line, "stopped")])
         return str(answer["text"])
 
     def run(self, out: str, resume: bool = False) -> Iterator[dict[str, Any]]:
@@ -196,7 +194,7 @@ class Console:
                 if job and job["id"] == number and job["ended"] is not None:
                     ended = True
                     if not job["ok"]:
-                        raise WorkError(job["ended"], [(job["ended"], "", job["name"])])
+                        raise WorkError(job["ended"], [(job["ended"], "", job["name"], "")])
                     return
         finally:
             if not ended:
@@ -236,13 +234,13 @@ def _lines(stream: Any, origin: str) -> Iterator[bytes]:
 def _refused(error: urllib.error.HTTPError, path: str) -> InputError | WorkError:
     try:
         answer = json.load(error)
-        refusals = [(f["fault"], f["remedy"], f["where"]) for f in answer.get("faults", [answer])]
+        refusals = [(f["fault"], f["remedy"], f["where"], f["cause"]) for f in answer.get("faults", [answer])]
     except (ValueError, KeyError, AttributeError):
-        refusals = [(f"{path} answers {error.code} {error.reason}", "", "")]
-    text = "\n".join("; ".join(part for part in (where, fault, remedy) if part) for fault, remedy, where in refusals)
+        refusals = [(f"{path} answers {error.code} {error.reason}", "", "", "device")]
+    text = "\n".join("; ".join(part for part in (where, fault, remedy) if part) for fault, remedy, where, _ in refusals)
     return InputError(text, refusals) if error.code == 400 else WorkError(text, refusals)
 
 
 def _unanswered(origin: str, why: str) -> WorkError:
     fault = f"the console at {origin} does not answer: {why}"
-    return WorkError(fault, [(fault, "start planar-console, and give the address that it prints", "")])
+    return WorkError(fault, [(fault, "start planar-console, and give the address that it prints", "", "device")])

@@ -6,10 +6,13 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/geometry/lens/workplane.h"
+#include "support/refused.h"
 #include "support/shared_data.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 /// Systematic part of the edge search on an unblurred picture with 36 grey steps at a rim.
 constexpr double kCenterTolerance_px = 0.03;
@@ -238,9 +241,8 @@ TEST_CASE("A board of unknown pitch has a shape, and no lengths are taken from i
   CHECK_FALSE(board.pitch_known);
   CHECK(board.pitch == 0.001);
   CHECK(parse_board("circles:6x5:34.5mm", BoardUse::kShape).pitch_known);
-  CHECK_THROWS_WITH(parse_board("circles:6x5:?"),
-                    Catch::Contains("'circles:6x5:?' has no pitch") &&
-                        Catch::Contains("measure the pitch and state it"));
+  CHECK_THROWS_MATCHES(parse_board("circles:6x5:?"), InputError,
+                       Refused(Cause::kMissing, "'circles:6x5:?'"));
   CHECK_THROWS_AS(parse_board("circles:6x5:?mm", BoardUse::kShape), InputError);
 }
 

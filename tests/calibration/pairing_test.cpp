@@ -7,11 +7,13 @@
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::Refused;
 
 LampSight frame(const std::string& id, double t_s, double u_px) {
   LampSight sight;
@@ -136,8 +138,8 @@ TEST_CASE("A place of plan pose needs no reading, and uses none") {
 TEST_CASE("Values that are not finite are refused before anything is averaged") {
   ToolReading broken = reading("a", 1.0, 0.1);
   broken.p_B.z() = std::numeric_limits<double>::infinity();
-  CHECK_THROWS_WITH(pair_sights({frame("a", 1.0, 100.0)}, {broken}, PairBy::kId),
-                    Contains("'a' has a value that is not finite"));
+  CHECK_THROWS_MATCHES(pair_sights({frame("a", 1.0, 100.0)}, {broken}, PairBy::kId), InputError,
+                       Refused(Cause::kInvalid, "'a'"));
 }
 
 TEST_CASE("Both end points are the true one when camera and tool are known") {

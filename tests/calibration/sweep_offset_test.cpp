@@ -6,6 +6,7 @@
 
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
@@ -43,9 +44,10 @@ TEST_CASE("A noisy sweep gives the offset within its stated deviation") {
 }
 
 TEST_CASE("Angles that hardly vary determine no offset") {
-  using Catch::Matchers::Contains;
-  CHECK_THROWS_WITH(fit_sweep_offset(sweeps(0.0, 10.0 * kDegree)), Contains("sweep3"));
-  CHECK_THROWS_WITH(fit_sweep_offset({}), Contains("varies too little"));
+  using test::Refused;
+  CHECK_THROWS_MATCHES(fit_sweep_offset(sweeps(0.0, 10.0 * kDegree)), InputError,
+                       Refused(Cause::kInsufficient, "sweep3"));
+  CHECK_THROWS_MATCHES(fit_sweep_offset({}), InputError, Refused(Cause::kInsufficient, "0 usable"));
 }
 
 }  // namespace planar

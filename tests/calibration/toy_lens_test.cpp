@@ -5,12 +5,14 @@
 #include "planar_servo/calibration/camera_calibration.h"
 #include "planar_servo/geometry/lens/lens_models.h"
 #include "support/finite_differences.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
 using test::kIntrinsics;
 using test::kNoise_px;
+using test::Refused;
 using test::views_of_board;
 
 /// The point scaled by `scale`, whose derivative by the point's squared length is `slope`.
@@ -63,7 +65,8 @@ TEST_CASE("A toy lens is a camera like any other") {
   CHECK((ray(camera, *uv).value() - p_C).norm() < 1e-12);
   const auto pixel = [&](const Eigen::VectorXd& p) { return *project(camera, p); };
   CHECK(test::jacobian_mismatch(J, pixel, p_C, 1e-3) < 1e-8);
-  CHECK_THROWS_WITH(camera.lens().with(kIntrinsics, {12.0}), Catch::Contains("division of ten"));
+  CHECK_THROWS_MATCHES(camera.lens().with(kIntrinsics, {12.0}), InputError,
+                       Refused(Cause::kInvalid, "division of ten"));
 }
 
 TEST_CASE("A lens of a family that no library has is calibrated as any other") {

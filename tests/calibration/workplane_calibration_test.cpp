@@ -8,11 +8,13 @@
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/geometry/lens/lens_models.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::Refused;
 using test::SyntheticCell;
 
 constexpr double kExact = 1e-9;  // m: the pose settles to 1e-10
@@ -127,17 +129,20 @@ TEST_CASE("Mirrored tracker positions are refused") {
   const SyntheticCell cell = noiseless();
   std::vector<ToolSight> sights = cell.recording();
   for (ToolSight& sight : sights) sight.p_reflector_B.y() *= -1.0;
-  CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, sights), Contains("mirror image"));
-  CHECK_THROWS_WITH(fit_workplane_to_board(cell.lens, {board(cell, 0.0, 0.0)}, sights),
-                    Contains("mirror image"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_pairs(cell.lens, sights), InputError,
+                       Refused(Cause::kContradiction, "mirror"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_board(cell.lens, {board(cell, 0.0, 0.0)}, sights),
+                       InputError, Refused(Cause::kContradiction, "mirror"));
 }
 
 TEST_CASE("Recordings that do not determine the workplane say what is missing") {
   const SyntheticCell cell = noiseless();
-  CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, cell.recording(5, 0)), Contains("5 sights"));
-  CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, cell.recording(20, 0)), Contains("sweep3"));
-  CHECK_THROWS_WITH(fit_workplane_to_board(cell.lens, {}, cell.recording()),
-                    Contains("plane_grid"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_pairs(cell.lens, cell.recording(5, 0)), InputError,
+                       Refused(Cause::kInsufficient, "5 sights"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_pairs(cell.lens, cell.recording(20, 0)), InputError,
+                       Refused(Cause::kInsufficient, "sweep3"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_board(cell.lens, {}, cell.recording()), InputError,
+                       Refused(Cause::kInsufficient, "plane_grid"));
 
   std::mt19937 random(1);
   std::vector<ToolSight> line;
@@ -145,22 +150,24 @@ TEST_CASE("Recordings that do not determine the workplane say what is missing") 
   for (int i = 0; i < 20; ++i) {
     line.push_back(cell.sight("l" + std::to_string(i), {0.02 * i, 0.01 * i}, 0.0, random));
   }
-  CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, line), Contains("one line"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_pairs(cell.lens, line), InputError,
+                       Refused(Cause::kInsufficient, "positions"));
 }
 
 TEST_CASE("A board whose pitch is not the stated one is refused, and the pitch is named") {
   const SyntheticCell cell;
   Pose X_CG = board(cell, 0.0, 0.3);
   X_CG.translation() *= 0.5;
-  CHECK_THROWS_WITH(fit_workplane_to_board(cell.lens, {X_CG}, cell.recording()),
-                    Contains("check the pitch in --grid"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_board(cell.lens, {X_CG}, cell.recording()), InputError,
+                       Refused(Cause::kContradiction, "--grid"));
 }
 
 TEST_CASE("Values that are not finite are refused by the name of their sight") {
   const SyntheticCell cell = noiseless();
   std::vector<ToolSight> sights = cell.recording(20, 8);
   sights[4].lamps_px[1].y() = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, sights), Contains("'p4'"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_pairs(cell.lens, sights), InputError,
+                       Refused(Cause::kInvalid, "'p4'"));
 }
 
 TEST_CASE("Readings paired with the wrong places are refused, not fitted") {
@@ -169,7 +176,8 @@ TEST_CASE("Readings paired with the wrong places are refused, not fitted") {
   for (std::size_t i = 0; i + 1 < 120; i += 2) {
     std::swap(sights[i].p_reflector_B, sights[i + 1].p_reflector_B);
   }
-  CHECK_THROWS_WITH(fit_workplane_to_pairs(cell.lens, sights), Contains("do not belong together"));
+  CHECK_THROWS_MATCHES(fit_workplane_to_pairs(cell.lens, sights), InputError,
+                       Refused(Cause::kContradiction, "ids, times"));
 }
 
 }  // namespace planar

@@ -6,6 +6,7 @@
 #include "planar_servo/certificate/certificate_report.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"
 #include "support/temporary_folder.h"
@@ -48,8 +49,8 @@ TEST_CASE("A cell without a truth is certified by its tracker, whose uncertainty
   CHECK(opened == 1);
   CHECK(certificate_list(again).json() == json);
   request.size.cycles = 3;
-  CHECK_THROWS_WITH(run_certificate(request, open),
-                    Catch::Contains("was begun with other --cycles"));
+  CHECK_THROWS_MATCHES(run_certificate(request, open), InputError,
+                       test::Refused(Cause::kForeign, "cycles.csv"));
 }
 
 TEST_CASE("Lengths and intervals that round to zero are said in words") {

@@ -14,9 +14,12 @@
 
 #include "console/self_signed.h"
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 /// A server that answers "here", on a port of its own.
 struct Served {
@@ -56,9 +59,8 @@ struct Served {
 
 TEST_CASE("A port that another console has is refused by its number") {
   const Served first;
-  CHECK_THROWS_AS(ListeningPort("127.0.0.1", first.port), InputError);
-  CHECK_THROWS_WITH(ListeningPort("127.0.0.1", first.port),
-                    Catch::Contains(std::to_string(first.port)) && Catch::Contains("--port"));
+  CHECK_THROWS_MATCHES(ListeningPort("127.0.0.1", first.port), InputError,
+                       Refused(Cause::kSystem, std::to_string(first.port)));
 }
 
 TEST_CASE("More clients than may be, which say nothing, keep nobody out") {
@@ -158,12 +160,13 @@ TEST_CASE("What is served by https is read by who trusts the certificate, and no
 
 TEST_CASE("A certificate that is none, is over, or has another key is refused by its file") {
   const test::SelfSigned pair(1.0), other(1.0), over(-0.5);
-  CHECK_THROWS_WITH(Tls(pair.key, pair.key), Catch::Contains("key.pem: is no certificate"));
-  CHECK_THROWS_WITH(Tls(pair.certificate, other.key),
-                    Catch::Contains("key.pem: is no key of this certificate"));
-  CHECK_THROWS_WITH(Tls(pair.certificate, pair.folder.path() / "absent"),
-                    Catch::Contains("absent: is no key"));
-  CHECK_THROWS_WITH(Tls(over.certificate, over.key), Catch::Contains("no longer valid"));
+  CHECK_THROWS_MATCHES(Tls(pair.key, pair.key), InputError, Refused(Cause::kInvalid, pair.key));
+  CHECK_THROWS_MATCHES(Tls(pair.certificate, other.key), InputError,
+                       Refused(Cause::kForeign, other.key));
+  CHECK_THROWS_MATCHES(Tls(pair.certificate, pair.folder.path() / "absent"), InputError,
+                       Refused(Cause::kMissing, "absent"));
+  CHECK_THROWS_MATCHES(Tls(over.certificate, over.key), InputError,
+                       Refused(Cause::kInvalid, over.certificate));
 }
 
 }  // namespace

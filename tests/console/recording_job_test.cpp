@@ -5,6 +5,7 @@
 
 #include "planar_servo/base/io/atomic_file.h"
 #include "support/eventually.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
@@ -14,6 +15,7 @@ namespace {
 
 using Catch::Contains;
 using test::eventually;
+using test::Refused;
 
 constexpr char kPlan[] = "id,plan,x_mm,y_mm\nt1,train,300,-250\n";
 
@@ -56,7 +58,8 @@ TEST_CASE("A recording asks the page for the reflector until all is read") {
   CHECK(bench.recording.begin({"plan.csv", "recording"}, 0) == 1);
   const PageQuestion first = bench.question_after(0);
   CHECK_THAT(first.text, Contains("reflector on 'datum1'"));
-  CHECK_THROWS_AS(bench.seat.answer(first.id + 1, "1,2,3"), CellBusy);
+  CHECK_THROWS_MATCHES(bench.seat.answer(first.id + 1, "1,2,3"), WorkError,
+                       Refused(Cause::kBusy, "question " + std::to_string(first.id + 1)));
   CHECK(bench.question() == first.id);
   bench.seat.answer(first.id, " 1,2,3 ");
   CHECK_THAT(bench.question_after(first.id).text, Contains("reflector on 'datum2'"));
@@ -67,22 +70,24 @@ TEST_CASE("A recording asks the page for the reflector until all is read") {
   CHECK_FALSE(state.question);
   CHECK(state.advice.empty());
   CHECK_THAT(state.job->ended, Contains("stopped as asked"));
-  CHECK_THROWS_AS(bench.seat.answer(1, "s"), CellBusy);
-  CHECK_THROWS_AS(bench.seat.confirm(), CellBusy);
+  CHECK_THROWS_MATCHES(bench.seat.answer(1, "s"), WorkError, Refused(Cause::kBusy, "question 1"));
+  CHECK_THROWS_MATCHES(bench.seat.confirm(), WorkError, Refused(Cause::kBusy));
 }
 
 TEST_CASE("A recording that cannot begin is refused before anything moves") {
   AskedCell bench;
   for (const char* name : {"", ".plan.csv", "../plan.csv", "no/plan.csv"}) {
     INFO(name);
-    CHECK_THROWS_WITH(bench.recording.begin({name, "recording"}, 0), Contains("plan: is"));
-    CHECK_THROWS_WITH(bench.recording.begin({"plan.csv", name}, 0), Contains("out: is"));
+    CHECK_THROWS_MATCHES(bench.recording.begin({name, "recording"}, 0), InputError,
+                         Refused(Cause::kInvalid, "plan: "));
+    CHECK_THROWS_MATCHES(bench.recording.begin({"plan.csv", name}, 0), InputError,
+                         Refused(Cause::kInvalid, "out: "));
   }
   CHECK_THROWS_AS(bench.recording.begin({"none.csv", "recording"}, 0), InputError);
   CHECK_THROWS_AS(bench.recording.begin({"plan.csv", "recording", "", "often"}, 0), InputError);
   bench.folder.write("far.csv", "id,plan,x_mm,y_mm\nt1,train,900,0\n");
-  CHECK_THROWS_WITH(bench.recording.begin({"far.csv", "recording"}, 0),
-                    Contains("far.csv") || Contains("t1"));
+  CHECK_THROWS_MATCHES(bench.recording.begin({"far.csv", "recording"}, 0), InputError,
+                       Refused(Cause::kUnreachable, "t1"));
   CHECK_FALSE(bench.board.state().job);
   CHECK_FALSE(std::filesystem::exists(bench.folder / "recording"));
 }

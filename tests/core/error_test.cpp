@@ -20,6 +20,7 @@ TEST_CASE("A refusal is placed within what holds it") {
   const Refusal fault{"is 'x'", "a number is needed"};
   CHECK(fault.at("a.csv") == Refusal{"is 'x'", "a number is needed", "a.csv"});
   CHECK(fault.at("line 3").at("a.csv").where == "a.csv: line 3");
+  CHECK(Refusal{"is held", "", "", Cause::kBusy}.at("a.csv").cause == Cause::kBusy);
 }
 
 TEST_CASE("Errors keep their refusal as data and say its text") {
@@ -29,6 +30,8 @@ TEST_CASE("Errors keep their refusal as data and say its text") {
   CHECK(InputError("a sentence; not taken apart").refusal() ==
         Refusal{"a sentence; not taken apart"});
   CHECK(WorkError(refusal).refusal() == refusal);
+  CHECK(InputError("is gone").refusal().cause == Cause::kInvalid);
+  CHECK(WorkError("is gone", Cause::kMissing).refusal().cause == Cause::kMissing);
 }
 
 /// Returns what throw_if_any() throws.

@@ -8,11 +8,12 @@
 #include <stdexcept>
 
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
-using Catch::Matchers::Contains;
+using test::Refused;
 
 constexpr double kRigidRounding = 1e-13;  // m, on coordinates of metres
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
@@ -79,13 +80,17 @@ TEST_CASE("A mirrored cloud gives a rotation, and a large residual") {
 TEST_CASE("Points that determine no rigid motion are refused") {
   Eigen::Matrix3Xd line(3, 4);
   for (int i = 0; i < 4; ++i) line.col(i) = (i + 1.0) * Eigen::Vector3d(1.0, 2.0, -0.5);
-  CHECK_THROWS_WITH(fit_rigid_3d(line, line), Contains("one line"));
+  CHECK_THROWS_MATCHES(fit_rigid_3d(line, line), InputError,
+                       Refused(Cause::kInsufficient, "rigid fit"));
   const Eigen::Matrix2Xd one_place = Eigen::Matrix2Xd::Ones(2, 3);
-  CHECK_THROWS_WITH(fit_rigid_2d(one_place, one_place), Contains("one place"));
-  CHECK_THROWS_WITH(fit_rigid_3d(cloud(2), cloud(2)), Contains("at least 3"));
+  CHECK_THROWS_MATCHES(fit_rigid_2d(one_place, one_place), InputError,
+                       Refused(Cause::kInsufficient, "rigid fit"));
+  CHECK_THROWS_MATCHES(fit_rigid_3d(cloud(2), cloud(2)), InputError,
+                       Refused(Cause::kInsufficient, "2 points"));
   Eigen::Matrix3Xd broken = cloud(4);
   broken(1, 2) = kNotANumber;
-  CHECK_THROWS_WITH(fit_rigid_3d(broken, cloud(4)), Contains("not finite"));
+  CHECK_THROWS_MATCHES(fit_rigid_3d(broken, cloud(4)), InputError,
+                       Refused(Cause::kInvalid, "rigid fit"));
   CHECK_THROWS_AS(fit_rigid_3d(cloud(4), cloud(5)), std::invalid_argument);
 }
 

@@ -25,7 +25,7 @@ std::map<std::string, double> last_looks_s(const std::filesystem::path& steps_fi
 }
 
 const TipPose& tip_at(const std::vector<TrueTip>& tips, double t_s) {
-  if (tips.empty()) throw InputError("the camera never took a picture");
+  if (tips.empty()) throw InputError("the camera never took a picture", Cause::kMissing);
   return std::min_element(tips.begin(), tips.end(),
                           [t_s](const TrueTip& a, const TrueTip& b) {
                             return std::abs(a.t_s - t_s) < std::abs(b.t_s - t_s);
@@ -42,7 +42,8 @@ std::vector<double> true_errors(const std::filesystem::path& targets,
   std::vector<double> errors;
   for (const TargetRow& target : read_targets(targets)) {
     const auto look = looks_s.find(target.id);
-    if (look == looks_s.end()) throw InputError("the target " + target.id + " was never looked at");
+    if (look == looks_s.end())
+      throw InputError("the target " + target.id + " was never looked at", Cause::kMissing);
     errors.push_back((tip_at(tips, look->second).p - target.p_d).norm());
   }
   return errors;

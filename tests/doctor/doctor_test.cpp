@@ -8,6 +8,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -15,6 +16,7 @@ namespace planar {
 namespace {
 
 using Catch::Contains;
+using test::Refused;
 using Verdict = Finding::Verdict;
 
 TEST_CASE("A virtual cell in order only lacks the files that are not made yet") {
@@ -44,8 +46,8 @@ TEST_CASE("The levels of two lamps in view are shown, and judged where they are 
 TEST_CASE("A cell file with faults is refused with all of them") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("cell.yaml", "format: planar-servo/cell/1\ncamera: 3\n");
-  CHECK_THROWS_AS(examine_cell(file), InputError);
-  CHECK_THROWS_WITH(examine_cell(file), Contains("camera") && Contains("'drives'"));
+  CHECK_THROWS_MATCHES(examine_cell(file), InputError, Refused(Cause::kInvalid, "camera"));
+  CHECK_THROWS_MATCHES(examine_cell(file), InputError, Refused(Cause::kMissing, "'drives'"));
 }
 
 TEST_CASE("A virtual camera with real drives is refused, as by the programs that move them") {
@@ -55,8 +57,8 @@ TEST_CASE("A virtual camera with real drives is refused, as by the programs that
   text.replace(
       text.find(kind), kind.size(),
       "kind: tic, serial: \"1\", command_timeout_ms: 1000, home: {reference: taught, at_deg: 0},");
-  CHECK_THROWS_WITH(examine_cell(folder.write("cell.yaml", text)),
-                    Contains("a virtual camera needs virtual drives"));
+  CHECK_THROWS_MATCHES(examine_cell(folder.write("cell.yaml", text)), InputError,
+                       Refused(Cause::kContradiction, "camera.source"));
 }
 
 /// The findings of this verdict about a file of the calibrated workshop cell, with `name` of it

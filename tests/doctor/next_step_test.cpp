@@ -12,6 +12,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/result_table.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
@@ -183,7 +184,8 @@ TEST_CASE("A cell file with faults has no next step") {
   CHECK_THROWS_AS(
       work_steps(folder.write("cell.yaml", "format: planar-servo/cell/1\n"), kUsualBoard),
       InputError);
-  CHECK_THROWS_WITH(work_steps(folder / "absent.yaml", kUsualBoard), Contains("cannot be read"));
+  CHECK_THROWS_MATCHES(work_steps(folder / "absent.yaml", kUsualBoard), InputError,
+                       test::Refused(Cause::kMissing, "absent.yaml"));
 }
 
 }  // namespace

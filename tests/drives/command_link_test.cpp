@@ -14,6 +14,7 @@
 #include "planar_servo/hardware/links/linked_drives.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/link_bench.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
@@ -22,6 +23,7 @@ using Catch::Contains;
 using test::all_rest;
 using test::make_ready;
 using test::positions;
+using test::Refused;
 using Targets = test::LinkTargets;
 
 constexpr DriveLimits kLimits{2000.0, 10000.0};
@@ -46,7 +48,8 @@ LinkedDrives drives_of(const MotionProgram& program) {
 
 TEST_CASE("A motion program moves the motors in the time that the slowest needs") {
   LinkedDrives drives = drives_of(example());
-  CHECK_THROWS_WITH(drives.set_targets({1, 1, 1}), Contains("not switched on"));
+  CHECK_THROWS_MATCHES(drives.set_targets({1, 1, 1}), DriveError,
+                       Refused(Cause::kDevice, "switched"));
   CHECK_FALSE(drives.status()[1].position_certain);
   drives.energize();
   drives.set_position(1, 500);
@@ -69,8 +72,8 @@ TEST_CASE("A motion program moves the motors in the time that the slowest needs"
   drives.set_targets({1100, -600, 0});
   REQUIRE(all_rest(drives));
   CHECK(clock.now_s() - slow_s == Approx(0.5).margin(0.1));
-  CHECK_THROWS_WITH(drives.set_limits({DriveLimits{9e9, 1.0}, kLimits, kLimits}),
-                    Contains("its cell allows up to 2000"));
+  CHECK_THROWS_MATCHES(drives.set_limits({DriveLimits{9e9, 1.0}, kLimits, kLimits}), InputError,
+                       Refused(Cause::kInvalid, "9e+09 pulses/s"));
 }
 
 TEST_CASE("A motion program that is halted brakes, and the position stays certain") {
@@ -148,7 +151,8 @@ TEST_CASE(
     CHECK(struck.certain == fault.certain);
     CHECK(drives.status()[0].answers == fault.answers);
     if (fault.answers) continue;
-    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains(fault.said));
+    CHECK_THROWS_MATCHES(drives.set_targets({0, 0, 0}), DriveError,
+                         Refused(Cause::kDevice, fault.said));
     drives.reconnect();
     CHECK(drives.status()[0].answers);
     CHECK_FALSE(drives.status()[0].position_certain);
@@ -227,7 +231,8 @@ TEST_CASE("What the machine itself says is wrong stops the arm with these words"
     drives.set_targets({1500, 0, 0});
     REQUIRE(all_rest(drives));
     CHECK(drives.status()[0].faults == std::vector<std::string>{"motor 2 is hot"});
-    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("motor 2 is hot"));
+    CHECK_THROWS_MATCHES(drives.set_targets({0, 0, 0}), DriveError,
+                         Refused(Cause::kDevice, "motor 2"));
     drives.energize();
     drives.set_targets({0, 0, 0});
     REQUIRE(all_rest(drives));
@@ -236,8 +241,8 @@ TEST_CASE("What the machine itself says is wrong stops the arm with these words"
   SECTION("what it cannot do") {
     LinkedDrives drives = drives_of(example());
     make_ready(drives);
-    CHECK_THROWS_WITH(drives.start_homing(1, HomeDirection::kReverse),
-                      Contains("refuses 'home 2 reverse': home 2 reverse: these motors"));
+    CHECK_THROWS_MATCHES(drives.start_homing(1, HomeDirection::kReverse), DriveError,
+                         Refused(Cause::kDevice, "'home 2 reverse'"));
   }
 }
 
@@ -254,11 +259,12 @@ TEST_CASE("A program that does not end with its input is told by signals") {
 }
 
 TEST_CASE("A program that cannot be started or speaks otherwise is refused") {
-  CHECK_THROWS_WITH(CommandLink({{"/absent/motion"}, "/", kAnswer_s}),
-                    Contains("'/absent/motion' cannot be started") && Contains("No such file"));
-  CHECK_THROWS_WITH(CommandLink({{"sh", "-c", "read line; echo Grbl 1.1h"}, "/", kAnswer_s}),
-                    Contains("answers '1 hello 1' with 'Grbl 1.1h'"));
-  CHECK_THROWS_WITH(CommandLink({{"true"}, "/", kAnswer_s}), Contains("ended with status 0"));
+  CHECK_THROWS_MATCHES(CommandLink({{"/absent/motion"}, "/", kAnswer_s}), WorkError,
+                       Refused(Cause::kMissing, "/absent/motion"));
+  CHECK_THROWS_MATCHES(CommandLink({{"sh", "-c", "read line; echo Grbl 1.1h"}, "/", kAnswer_s}),
+                       WorkError, Refused(Cause::kDevice, "'Grbl 1.1h'"));
+  CHECK_THROWS_MATCHES(CommandLink({{"true"}, "/", kAnswer_s}), WorkError,
+                       Refused(Cause::kDevice, "status 0"));
   CHECK_THROWS_AS(drives_of({{"true"}, "/", kAnswer_s}), DriveError);
 }
 
@@ -268,12 +274,12 @@ TEST_CASE("A cell file names one motion program for its three joints") {
     const std::string kind = "kind: command, answer_ms: ";
     return test::cell_with_drives(folder, {kind + first, kind + others, kind + others});
   };
-  CHECK_THROWS_WITH(read_cell(cell_with("200, program: []", "200, program: [a]")),
-                    Contains("program"));
-  CHECK_THROWS_WITH(read_cell(cell_with("200, program: [a, b]", "200, program: [a, c]")),
-                    Contains("another program than drives[0]"));
-  CHECK_THROWS_WITH(read_cell(cell_with("5, program: [a]", "200, program: [a]")),
-                    Contains("answer_ms"));
+  CHECK_THROWS_MATCHES(read_cell(cell_with("200, program: []", "200, program: [a]")), InputError,
+                       Refused(Cause::kInvalid, "program"));
+  CHECK_THROWS_MATCHES(read_cell(cell_with("200, program: [a, b]", "200, program: [a, c]")),
+                       InputError, Refused(Cause::kContradiction, "program than drives[0]"));
+  CHECK_THROWS_MATCHES(read_cell(cell_with("5, program: [a]", "200, program: [a]")), InputError,
+                       Refused(Cause::kInvalid, "answer_ms"));
 }
 
 }  // namespace

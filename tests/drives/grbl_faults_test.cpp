@@ -9,6 +9,7 @@
 #include "planar_servo/hardware/robot/planar_robot.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 using Catch::Contains;
 using test::eventually;
 using test::GrblBench;
+using test::Refused;
 
 constexpr double kRecoveryPatience_s = 10.0;
 constexpr double kBoardPulsesPerRad = 4000.0;
@@ -54,20 +56,20 @@ struct BoardRobot : GrblBench {
   }
 
   /// What the robot says when `fault` happens on its way.
-  std::string failure_of_move(const std::function<void()>& fault) {
+  WorkError failure_of_move(const std::function<void()>& fault) {
     std::thread cause([&] {
       eventually([&] { return board.shafts().x() > 400; });
       fault();
     });
-    std::string message;
+    WorkError failure("", Cause::kInvalid);
     try {
       robot.move_to(kFarAhead);
     } catch (const DriveError& error) {
-      message = error.what();
+      failure = WorkError(error.refusal());
       by_hand = dynamic_cast<const StoppedByHand*>(&error) != nullptr;
     }
     cause.join();
-    return message;
+    return failure;
   }
 
   bool nothing_turns() {
@@ -90,7 +92,7 @@ struct BoardRobot : GrblBench {
     CHECK(nothing_turns());
     CHECK(robot.unhomed().empty() == keeps_position);
     if (!keeps_position) {
-      CHECK_THROWS_WITH(robot.move_to(kAhead), Contains("home it first"));
+      CHECK_THROWS_MATCHES(robot.move_to(kAhead), DriveError, Refused(Cause::kDevice, "position"));
       CHECK(nothing_turns());
       home_all();
     }
@@ -129,7 +131,7 @@ TEST_CASE("A limit switch that stops the board asks for homing") {
   BoardRobot bench(HomeReference::kReverseSwitch);
   bench.board.set(21, 1);
   CHECK_THAT(bench.failure_of_move([&] { bench.board.press_limit('Y', true); }),
-             Contains("drive 1 failed on its way: alarm 1: a limit switch was hit"));
+             Refused(Cause::kDevice, "alarm 1:"));
   bench.board.press_limit('Y', false);
   bench.check_recovery(false);
 }
@@ -137,7 +139,7 @@ TEST_CASE("A limit switch that stops the board asks for homing") {
 TEST_CASE("A limit input that the board itself does not mind stops the arm, too") {
   BoardRobot bench;
   CHECK_THAT(bench.failure_of_move([&] { bench.board.press_limit('Y', true); }),
-             Contains("drive 3 failed on its way: its limit switch Y is pressed"));
+             Refused(Cause::kDevice, "switch Y"));
   bench.check_recovery(true);
 }
 
@@ -150,14 +152,15 @@ TEST_CASE("An input that has been pressed since before the move does not stop it
 TEST_CASE("An alarm is explained in words and asks for homing") {
   BoardRobot bench(HomeReference::kForwardSwitch);
   CHECK_THAT(bench.failure_of_move([&] { bench.board.raise_alarm(17); }),
-             Contains("alarm 17: a motor driver reports a fault"));
+             Refused(Cause::kDevice, "alarm 17:"));
   CHECK_FALSE(bench.by_hand);
   bench.check_recovery(false);
 }
 
 TEST_CASE("A reset in motion asks for homing") {
   BoardRobot bench;
-  CHECK_THAT(bench.failure_of_move([&] { bench.board.press_reset(); }), Contains("it was reset"));
+  CHECK_THAT(bench.failure_of_move([&] { bench.board.press_reset(); }),
+             Refused(Cause::kStopped, "reset"));
   CHECK(bench.by_hand);
   bench.check_recovery(false);
 }
@@ -165,7 +168,7 @@ TEST_CASE("A reset in motion asks for homing") {
 TEST_CASE("A hold by hand stops the arm and keeps its position") {
   BoardRobot bench;
   CHECK_THAT(bench.failure_of_move([&] { bench.board.press_hold(); }),
-             Contains("it has stopped on its way"));
+             Refused(Cause::kStopped, "hold"));
   CHECK(bench.by_hand);
   bench.check_recovery(true);
 }
@@ -173,18 +176,19 @@ TEST_CASE("A hold by hand stops the arm and keeps its position") {
 TEST_CASE("A program that reads the port while the arm moves is named") {
   BoardRobot bench;
   std::optional<test::PortReader> cat;
-  const std::string failure = bench.failure_of_move([&] {
+  const WorkError failure = bench.failure_of_move([&] {
     cat.emplace(bench.settings.port);
     bench.board.press_hold();
   });
   REQUIRE(cat.has_value());
-  CHECK_THAT(failure, Contains("another program has its port open, too") && Contains(cat->name()));
+  CHECK_THAT(failure.what(), Contains(cat->name()));
 }
 
 TEST_CASE("A board on hold at rest is resumed when it is switched on again") {
   BoardRobot bench;
   bench.board.press_hold();
-  CHECK_THROWS_WITH(bench.robot.move_to(kAhead), Contains("it is on hold"));
+  CHECK_THROWS_MATCHES(bench.robot.move_to(kAhead), StoppedByHand,
+                       Refused(Cause::kStopped, "hold"));
   bench.by_hand = true;
   bench.check_recovery(true);
 }
@@ -192,7 +196,7 @@ TEST_CASE("A board on hold at rest is resumed when it is switched on again") {
 TEST_CASE("Garbage on the line stops the arm and is shown") {
   BoardRobot bench;
   CHECK_THAT(bench.failure_of_move([&] { bench.board.say("\x81\xfe#7\r\n"); }),
-             Contains("it says '..#7'") && Contains("check its cable"));
+             Refused(Cause::kDevice, "'..#7'"));
   bench.check_recovery(true);
 }
 
@@ -204,7 +208,7 @@ TEST_CASE("A single garbled report does not end a move, more of them do") {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     for (int i = 0; i < 3; ++i) bench.board.say("<Jox|MPos:3.0>\r\n");
   }),
-             Contains("it says '<Jox|MPos:3.0>'"));
+             Refused(Cause::kDevice, "'<Jox|MPos:3.0>'"));
   bench.check_recovery(true);
 }
 
@@ -216,19 +220,19 @@ TEST_CASE(
     const std::string report = "<Jog|MPos:3.000,999.000,3.000|FS:0,0>\r\n";
     bench.board.say(report + report);
   }),
-             Contains("it is off its way"));
+             Refused(Cause::kDevice, "off its way"));
   bench.check_recovery(true);
 }
 
 TEST_CASE("A board that lost its position without a word stops, and asks for homing") {
   BoardRobot bench;
   bench.robot.move_to(kAhead);
-  CHECK_THAT(bench.failure_of_move([&] {
+  const WorkError failure = bench.failure_of_move([&] {
     bench.board.be_silent(true);
     bench.board.press_reset();
     bench.board.be_silent(false);
-  }),
-             Contains("it is off its way") || Contains("it has stopped on its way"));
+  });
+  CHECK_THAT(failure.what(), Contains("off its way") || Contains("stopped on its way"));
   bench.check_recovery(false);
 }
 
@@ -242,17 +246,15 @@ TEST_CASE("An answer that is lost on the line does not end a move") {
 
 TEST_CASE("A command that the board refuses stops the arm") {
   BoardRobot bench;
-  CHECK_THAT(
-      bench.failure_of_move([&] { bench.board.say("error:15\r\n"); }),
-      Contains("it refuses") && Contains("error 15: the target lies beyond the soft limits"));
+  CHECK_THAT(bench.failure_of_move([&] { bench.board.say("error:15\r\n"); }),
+             Refused(Cause::kDevice, "error 15:"));
   bench.check_recovery(true);
 }
 
 TEST_CASE("A board that falls silent runs no further than what it has queued") {
   BoardRobot bench;
   CHECK_THAT(bench.failure_of_move([&] { bench.board.be_silent(true); }),
-             Contains("it does not answer within 1 s") &&
-                 Contains("what it has queued ends after 190 ms"));
+             Refused(Cause::kDevice, "190 ms"));
   CHECK(eventually([&] { return bench.nothing_turns(); }));
   bench.board.be_silent(false);
   bench.check_recovery(false);
@@ -267,8 +269,8 @@ TEST_CASE("A move asks whether to stop while the board is silent, too") {
     ++asked;
     return std::nullopt;
   };
-  CHECK_THROWS_WITH(bench.robot.move_to(kFarAhead, objection),
-                    Contains("it does not answer within 1 s"));
+  CHECK_THROWS_MATCHES(bench.robot.move_to(kFarAhead, objection), DriveError,
+                       Refused(Cause::kDevice, "1 s"));
   CHECK(asked > 3);
 }
 
@@ -294,9 +296,10 @@ TEST_CASE("A board that says everything but its status is out of touch") {
 TEST_CASE("A board that is unplugged runs no further than what it has queued") {
   BoardRobot bench;
   CHECK_THAT(bench.failure_of_move([&] { bench.board.unplug(); }),
-             Contains("its line is closed: is it unplugged?"));
+             Refused(Cause::kDevice, "unplugged"));
   CHECK(eventually([&] { return bench.nothing_turns(); }));
-  CHECK_THROWS_WITH(bench.robot.recover(0.1), Contains("does not exist"));
+  CHECK_THROWS_MATCHES(bench.robot.recover(0.1), DriveError,
+                       Refused(Cause::kMissing, bench.settings.port));
   bench.board.plug_in();
   bench.check_recovery(false);
 }
@@ -306,8 +309,9 @@ TEST_CASE("Settings that were changed while a board was unplugged are noticed") 
   bench.board.unplug();
   bench.board.set(121, 10.0);
   bench.board.plug_in();
-  CHECK_THROWS_WITH(bench.robot.move_to(kAhead), Contains("its line is closed"));
-  CHECK_THROWS_WITH(bench.robot.recover(0.1), Contains("$121 is 10"));
+  CHECK_THROWS_MATCHES(bench.robot.move_to(kAhead), DriveError, Refused(Cause::kDevice, "line"));
+  CHECK_THROWS_MATCHES(bench.robot.recover(0.1), DriveError,
+                       Refused(Cause::kContradiction, "$121 is 10"));
 }
 
 }  // namespace

@@ -14,12 +14,13 @@
 #include "support/counted_firmware.h"
 #include "support/eventually.h"
 #include "support/grbl_bench.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
 using test::eventually;
+using test::Refused;
 using Steps = std::array<int, 3>;
 
 const EmulatedGrbl::Settings kStored{{1, 255},   {110, 960}, {111, 960}, {112, 960},
@@ -79,8 +80,8 @@ TEST_CASE("Real firmware is refused with its factory's settings, and taken with 
   const auto path = simulator(GENERATE("grbl_sim", "grblHAL_sim"));
   if (!path) return;
   const test::CountedFirmware factory(*path, {});
-  CHECK_THROWS_WITH(GrblDrives(test::grbl_settings_of(factory.port())),
-                    Contains("$1=255 and $110=960 and $120=160"));
+  CHECK_THROWS_MATCHES(GrblDrives(test::grbl_settings_of(factory.port())), DriveError,
+                       Refused(Cause::kContradiction, "$1=255 and $110=960 and $120=160"));
   FirmwareBench bench(*path);
   CHECK(bench.drives->status()[0].energized);
   bench.check_steps(Steps{0, 0, 0});

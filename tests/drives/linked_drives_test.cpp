@@ -8,12 +8,14 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "support/link_bench.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
 using test::make_ready;
+using test::Refused;
 
 constexpr DriveLimits kMotor{1000.0, 1000.0};  // it brakes for a second
 constexpr int kBeside = 2;
@@ -32,14 +34,14 @@ class ScriptedMachine final : public MachineLink {
   explicit ScriptedMachine(Script& script) : script_(script) {}
   void switch_on() override { script_.state.on = true; }
   void go_to(const Pulses&, const std::array<DriveLimits, 3>&) override {
-    if (script_.refuses) throw MachineRefusal("the door is open");
+    if (script_.refuses) throw MachineRefusal("the door is open", Cause::kUnreachable);
     ++script_.moves_told;
     script_.state.moving = true;
   }
   void stop() override { rests_s_ = clock_.now_s() + script_.braking_s; }
   void search_home(int, HomeDirection) override {}
   MachineState read() override {
-    if (script_.is_gone) throw WorkError("the cable is cut");
+    if (script_.is_gone) throw WorkError("the cable is cut", Cause::kDevice);
     if (clock_.now_s() >= rests_s_) {
       rests_s_ = HUGE_VAL;
       script_.when_stopped(script_.state);
@@ -67,7 +69,7 @@ TEST_CASE("A halt fails where the machine got out of touch in a move, and not at
   drives.set_targets({1000, 0, 0});
   script.is_gone = true;
   CHECK_FALSE(drives.status()[0].answers);
-  CHECK_THROWS_WITH(drives.halt(), "the machine cannot be told to halt: it is out of touch");
+  CHECK_THROWS_MATCHES(drives.halt(), DriveError, Refused(Cause::kDevice, "halt"));
   script.is_gone = script.state.moving = false;
   drives.reconnect();
   make_ready(drives);
@@ -93,7 +95,8 @@ TEST_CASE("Counts that change at rest without an order make all positions uncert
     REQUIRE(status.faults.size() == 1);
     CHECK_THAT(status.faults[0],
                Contains("stands at 0, 0, 0 counts, where it rested at 702, 0, 0"));
-    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}), Contains("restarted, or moved by somebody"));
+    CHECK_THROWS_MATCHES(drives.set_targets({0, 0, 0}), DriveError,
+                         Refused(Cause::kDevice, "702, 0, 0"));
     drives.energize();
     CHECK(drives.status()[1].faults.empty());
     CHECK_FALSE(drives.status()[1].position_certain);
@@ -106,8 +109,8 @@ TEST_CASE("Counts that change at rest without an order make all positions uncert
     drives.energize();
     CHECK(drives.status()[1].faults.empty());
     CHECK_FALSE(drives.status()[1].position_certain);
-    CHECK_THROWS_WITH(drives.set_targets({0, 0, 0}),
-                      Contains("the position of drive 1 is not certain"));
+    CHECK_THROWS_MATCHES(drives.set_targets({0, 0, 0}), DriveError,
+                         Refused(Cause::kDevice, "drive 1"));
   }
 }
 
@@ -150,7 +153,8 @@ TEST_CASE("A move that a machine refuses costs no position") {
   LinkedDrives drives = drives_by(script);
   make_ready(drives);
   script.refuses = true;
-  CHECK_THROWS_WITH(drives.set_targets({1000, 0, 0}), "the machine cannot move: the door is open");
+  CHECK_THROWS_MATCHES(drives.set_targets({1000, 0, 0}), DriveError,
+                       Refused(Cause::kUnreachable, "the door"));
   CHECK_FALSE(drives.status()[0].stopped_by_hand);
   drives.halt();
   CHECK(drives.status()[0].position_certain);
@@ -170,8 +174,8 @@ TEST_CASE("A machine that loses its position or fails as it brakes is not sent o
     if (loses) ++told.losses;
     if (!loses) told.faults.emplace_back("motor 2 is hot");
   };
-  CHECK_THROWS_WITH(drives.set_targets({500, 0, 0}),
-                    Contains(loses ? "position of drive 1 is not certain" : "motor 2 is hot"));
+  CHECK_THROWS_MATCHES(drives.set_targets({500, 0, 0}), DriveError,
+                       Refused(Cause::kDevice, loses ? "drive 1" : "motor 2"));
   CHECK(script.moves_told == 1);
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 
 namespace planar::tic {
 namespace {
@@ -32,7 +33,7 @@ TEST_CASE("Speeds and accelerations are converted to a Tic's units, within its b
   CHECK(speed_units(1.0) == 10000);
   CHECK(speed_units(50e3) == 500000000);
   CHECK(acceleration_units(1.0) == 100);
-  CHECK_THROWS_WITH(speed_units(166667.0), Catch::Contains("166667 pulses"));
+  CHECK_THROWS_MATCHES(speed_units(166667.0), InputError, test::Refused(Cause::kInvalid, "166667"));
   CHECK_THROWS_AS(speed_units(0.0), InputError);
   CHECK_THROWS_AS(acceleration_units(0.5), InputError);
   CHECK_THROWS_AS(acceleration_units(std::numeric_limits<double>::quiet_NaN()), InputError);

@@ -6,11 +6,12 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/learn/error_map/fit_error_map.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 constexpr double kSigma = 3e-6;
 constexpr double kRounding = 1e-12;
@@ -63,22 +64,22 @@ TEST_CASE("A step that is too coarse, and an error that no grid holds, are refus
   const ErrorField waves = field_over(kSquare, [](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(1e-5 * std::sin(p.x() / 1e-3), 0.0);
   });
-  CHECK_THROWS_WITH(
-      sample_error(waves, GridReading::kBilinear, 0.02),
-      Contains("a step of 20 mm costs up to 0.0") && Contains("name a smaller step or none"));
+  CHECK_THROWS_MATCHES(sample_error(waves, GridReading::kBilinear, 0.02), InputError,
+                       Refused(Cause::kInvalid, "a step of 20 mm"));
   const ErrorField noise = field_over(kSquare, [](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(1e-3 * std::sin(p.x() / 1e-6), 0.0);
   });
-  CHECK_THROWS_WITH(sample_error(noise, GridReading::kBilinear),
-                    Contains("nodes; at most 100000 are written"));
+  CHECK_THROWS_MATCHES(sample_error(noise, GridReading::kBilinear), InputError,
+                       Refused(Cause::kInvalid, "100000"));
   ErrorField unstated = waves;
   unstated.predict = [](const Eigen::Vector2d&) {
     return ErrorPrediction{{0.0, 0.0}, std::nan(""), true};
   };
   unstated.sigma_if_unstated = std::nan("");
-  CHECK_THROWS_WITH(sample_error(unstated, GridReading::kBilinear), Contains("no deviation"));
-  CHECK_THROWS_WITH(sample_error(field_over({}, waves.error), GridReading::kBilinear),
-                    Contains("valid nowhere"));
+  CHECK_THROWS_MATCHES(sample_error(unstated, GridReading::kBilinear), InputError,
+                       Refused(Cause::kMissing));
+  CHECK_THROWS_MATCHES(sample_error(field_over({}, waves.error), GridReading::kBilinear),
+                       InputError, Refused(Cause::kInvalid, "hull"));
 }
 
 TEST_CASE("A grid is fine enough to have nodes in a narrow region, and ends where none can") {
@@ -93,9 +94,9 @@ TEST_CASE("A grid is fine enough to have nodes in a narrow region, and ends wher
   CHECK(grid.inside.count() > 4);
   CHECK(grid.step <= 0.025);
   const double huge = 1.7e308;
-  CHECK_THROWS_WITH(sample_error(field_over({{-huge, 0.0}, {huge, 0.0}, {0.0, huge}}, zero),
-                                 GridReading::kBilinear),
-                    Contains("nodes; at most 100000"));
+  CHECK_THROWS_MATCHES(sample_error(field_over({{-huge, 0.0}, {huge, 0.0}, {0.0, huge}}, zero),
+                                    GridReading::kBilinear),
+                       InputError, Refused(Cause::kInvalid, "100000"));
 }
 
 TEST_CASE("Where the field states no deviation the given one is taken, and the grid has none") {
@@ -133,7 +134,8 @@ TEST_CASE("Over true places the error is that of the place seen there") {
   }
   const ErrorField torn = over_true_places(
       field_over(kSquare, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(-3.0 * p); }));
-  CHECK_THROWS_WITH(torn.error({0.1, 0.1}), Contains("near (100.0, 100.0) mm"));
+  CHECK_THROWS_MATCHES(torn.error({0.1, 0.1}), WorkError,
+                       Refused(Cause::kInsufficient, "(100.0, 100.0) mm"));
 }
 
 TEST_CASE("A grid without noise, written with few decimals, is no faulty recording") {

@@ -4,9 +4,12 @@
 
 #include "planar_servo/learn/error_map/fit_error_map.h"
 #include "support/error_fields.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 TEST_CASE("Components within 1.96 deviations are counted each by its own") {
   CHECK(components_within_95({0.0, 0.0}, {1.0, 1.0}) == 2);
@@ -19,9 +22,9 @@ TEST_CASE("A map speaks against itself when it is useless or states far too litt
   CHECK_FALSE(objection({200, true, 0.95}));
   CHECK_FALSE(objection({200, true, 0.75}));  // chance makes 80 % so
   CHECK_FALSE(objection({12, true, 0.6}));
-  CHECK_THAT(objection({200, true, 0.7}).value().fault,
-             Catch::Contains("only 70 % of what 200 places left out show"));
-  CHECK_THAT(objection({200, false, 0.95}).value().fault, Catch::Contains("not to use it"));
+  CHECK_THAT(InputError(objection({200, true, 0.7}).value()),
+             Refused(Cause::kContradiction, "70 % of what 200 places"));
+  CHECK(objection({200, false, 0.95}).value().cause == Cause::kInsufficient);
 }
 
 TEST_CASE("A map that nothing judges is not spoken against") {

@@ -6,9 +6,12 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/learn/error_map/fit/rbf_fit.h"
 #include "support/error_fields.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 constexpr double kMapRounding = 1e-9;
 
@@ -95,9 +98,9 @@ TEST_CASE("A width that joins all samples is refused without a ridge, with figur
   const MapSites sites =
       merge_samples(test::measure(test::lens_field, test::ring_positions(100), 0.0, 1));
   CHECK_THROWS_AS(fit_rbf(sites, no_tail(), {KernelShape::kGaussian, 1.0, 0.0}, 0.0), WorkError);
-  CHECK_THROWS_WITH(fit_rbf(sites, no_tail(), {KernelShape::kGaussian, 1.0, 0.0}, 0.0),
-                    Catch::Contains("100 samples with a width of 1000 mm and a ridge of 0") &&
-                        Catch::Contains("use a smaller width"));
+  CHECK_THROWS_MATCHES(fit_rbf(sites, no_tail(), {KernelShape::kGaussian, 1.0, 0.0}, 0.0),
+                       WorkError,
+                       Refused(Cause::kInsufficient, "100 samples with a width of 1000 mm"));
 }
 
 TEST_CASE("A map made of a map's parameters predicts the same, bit for bit") {

@@ -9,6 +9,7 @@
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/servo_report.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/silent_cell.h"
 #include "support/temporary_folder.h"
@@ -17,6 +18,7 @@ namespace planar {
 namespace {
 
 using Catch::Contains;
+using test::Refused;
 
 /// The tracker of a virtual cell, whose beam can be broken, and which notes the truth for the test.
 class WatchedTracker final : public Tracker {
@@ -28,7 +30,7 @@ class WatchedTracker final : public Tracker {
   int rounds{0}, tool_awaited{0}, tool_readings{0};
 
   TrackerAnswer measure_tool(const std::string& place) override {
-    if (place == dead_at) throw WorkError("the computer has lost its power");
+    if (place == dead_at) throw WorkError("the computer has lost its power", Cause::kDevice);
     ++tool_readings;
     if (place == broken_at) return TrackerAnswer::failed("no reading came (a broken beam?)");
     truth[place] = *cell_.truth()->judge("", {}).p;
@@ -134,12 +136,14 @@ TEST_CASE("A cell that its tracker cannot judge is refused before anything is ma
   RealDevices devices(request.cell);
   SECTION("too few monuments") {
     request.cell.datum.pop_back();
-    CHECK_THROWS_WITH(run_experiment(request, devices), Contains("datum has 2 monuments"));
+    CHECK_THROWS_MATCHES(run_experiment(request, devices), InputError,
+                         Refused(Cause::kMissing, "2 monuments"));
   }
   SECTION("no reading to learn from") {
     request.uses_tracker = false;
     request.dots_height = 0.0;
-    CHECK_THROWS_WITH(run_experiment(request, devices), Contains("--train 0 is for virtual"));
+    CHECK_THROWS_MATCHES(run_experiment(request, devices), InputError,
+                         Refused(Cause::kInvalid, "--train 0"));
   }
   CHECK_FALSE(std::filesystem::exists(request.out));
 }

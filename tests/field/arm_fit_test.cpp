@@ -4,9 +4,12 @@
 
 #include "field/bent_cell.h"
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 std::vector<ArmReading> readings_of(const test::BentCell& cell, int count, unsigned seed) {
   std::mt19937 random(seed);
@@ -51,10 +54,11 @@ TEST_CASE("A reading that contradicts the arm is left out by name") {
 TEST_CASE("Readings without a deviation, and too few of them, are refused") {
   const test::BentCell cell;
   auto readings = readings_of(cell, 20, 54);
-  CHECK_THROWS_WITH(fit_arm(cell.nominal(), {readings.begin(), readings.begin() + 5}),
-                    Catch::Contains("5 readings are too few"));
+  CHECK_THROWS_MATCHES(fit_arm(cell.nominal(), {readings.begin(), readings.begin() + 5}),
+                       InputError, Refused(Cause::kInsufficient, "5 readings"));
   readings[2].sigma = 0.0;
-  CHECK_THROWS_WITH(fit_arm(cell.nominal(), readings), Catch::Contains("reading 'p3'"));
+  CHECK_THROWS_MATCHES(fit_arm(cell.nominal(), readings), InputError,
+                       Refused(Cause::kInvalid, "'p3'"));
 }
 
 }  // namespace

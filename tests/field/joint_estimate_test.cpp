@@ -9,9 +9,12 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/learn/field/fit_lamp_field.h"
 #include "planar_servo/learn/field/lamp_field.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 TEST_CASE("As many harmonics are found as the reducers have") {
   for (const double second : {0.0, 0.25}) {
@@ -158,8 +161,8 @@ TEST_CASE("A map of poses of which a quarter disagrees with the others is object
   for (std::size_t i = 0; i < samples.size(); i += 4) samples[i].reflector_B->x() += 2e-3;
   const JointEstimate found = estimate_jointly(cell.nominal(), samples);
   CHECK(found.contradicting > kMostContradicting);
-  CHECK_THAT(objection(fit_lamp_field(cell.nominal(), samples).quality()).value().fault,
-             Catch::Contains("of its poses contradict the others"));
+  CHECK_THAT(InputError(objection(fit_lamp_field(cell.nominal(), samples).quality()).value()),
+             Refused(Cause::kContradiction, "of its poses"));
 }
 
 TEST_CASE("A pose without a standard deviation, or with a value that is none, is named") {
@@ -167,18 +170,20 @@ TEST_CASE("A pose without a standard deviation, or with a value that is none, is
   std::mt19937 random(23);
   std::vector<PoseSample> samples = cell.samples(20, 0, random);
   samples[3].sigma_lamp = 0.0;
-  CHECK_THROWS_WITH(estimate_jointly(cell.nominal(), samples), Catch::Contains("pose 'p4'"));
+  CHECK_THROWS_MATCHES(estimate_jointly(cell.nominal(), samples), InputError,
+                       Refused(Cause::kInvalid, "'p4'"));
   samples[3] = samples[2];
   samples[6].motors[1] = std::nan("");
-  CHECK_THROWS_WITH(estimate_jointly(cell.nominal(), samples), Catch::Contains("pose 'p7'"));
+  CHECK_THROWS_MATCHES(estimate_jointly(cell.nominal(), samples), InputError,
+                       Refused(Cause::kInvalid, "'p7'"));
 }
 
 TEST_CASE("Too few poses are refused") {
   const test::BentCell cell;
   std::mt19937 random(9);
   std::vector<PoseSample> samples = cell.samples(40, 0, random);
-  CHECK_THROWS_WITH(estimate_jointly(cell.nominal(), {samples.begin(), samples.begin() + 11}),
-                    Catch::Contains("11 poses are too few"));
+  CHECK_THROWS_MATCHES(estimate_jointly(cell.nominal(), {samples.begin(), samples.begin() + 11}),
+                       InputError, Refused(Cause::kInsufficient, "11 poses"));
 }
 
 }  // namespace

@@ -3,13 +3,14 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 JudgedMove judged_sample() {
   JudgedMove move;
@@ -48,10 +49,10 @@ TEST_CASE("A judged move comes back as it was written, what was not judged stays
 TEST_CASE("A pose that does not exist and an id twice are named with their lines") {
   JudgedMove move = judged_sample();
   move.move.pose = "P6";
-  CHECK_THROWS_WITH(back_from(cycle_line(judged_sample()) + cycle_line(move)),
-                    Contains("cycles.csv:5: ") && Contains("pose is 'P6'; P1 to P5"));
-  CHECK_THROWS_WITH(back_from(cycle_line(judged_sample()) + cycle_line(judged_sample())),
-                    Contains("cycles.csv:5: "));
+  CHECK_THROWS_MATCHES(back_from(cycle_line(judged_sample()) + cycle_line(move)), InputError,
+                       Refused(Cause::kInvalid, "cycles.csv:5: pose"));
+  CHECK_THROWS_MATCHES(back_from(cycle_line(judged_sample()) + cycle_line(judged_sample())),
+                       InputError, Refused(Cause::kExists, "cycles.csv:5: "));
 }
 
 }  // namespace

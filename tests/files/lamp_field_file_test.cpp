@@ -5,10 +5,13 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/map_file.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 LampFieldFit fit_of_bent_cell() {
   const test::BentCell cell;
@@ -72,13 +75,14 @@ TEST_CASE("A damaged file of a field is refused by name") {
                         with_checksum(std::regex_replace(text, std::regex(wrong), by,
                                                          std::regex_constants::format_first_only)));
   };
-  CHECK_THROWS_WITH(read_map(refusal("factor: \\[[^,]*, ", "factor: [")),
-                    Catch::Contains("map.yaml") && Catch::Contains("factor"));
-  CHECK_THROWS_WITH(read_map(refusal("width_m: .*", "width_m: -1")), Catch::Contains("width_m"));
-  CHECK_THROWS_WITH(read_map(refusal("weights_m:\n *- [^\n]*\n", "weights_m:\n")),
-                    Catch::Contains("weights_m"));
-  CHECK_THROWS_WITH(read_map(refusal("p_camera_B_m: .*", "p_camera_B_m: [0, 0, -1]")),
-                    Catch::Contains("p_camera_B_m"));
+  CHECK_THROWS_MATCHES(read_map(refusal("factor: \\[[^,]*, ", "factor: [")), InputError,
+                       Refused(Cause::kInvalid, "factor"));
+  CHECK_THROWS_MATCHES(read_map(refusal("width_m: .*", "width_m: -1")), InputError,
+                       Refused(Cause::kInvalid, "width_m"));
+  CHECK_THROWS_MATCHES(read_map(refusal("weights_m:\n *- [^\n]*\n", "weights_m:\n")), InputError,
+                       Refused(Cause::kInvalid, "weights_m"));
+  CHECK_THROWS_MATCHES(read_map(refusal("p_camera_B_m: .*", "p_camera_B_m: [0, 0, -1]")),
+                       InputError, Refused(Cause::kInvalid, "p_camera_B_m"));
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 TEST_CASE("A row with both lamps comes back with its covariances and position") {
   LampRow row;
@@ -71,8 +74,8 @@ TEST_CASE("A status that no lamp can have is refused with those that there are")
   row.id = "t1";
   std::string text = lamps_text({row});
   text.replace(text.find("no_lamp"), 7, "gone");
-  CHECK_THROWS_WITH(read_lamps(folder.write("lamps.csv", text)),
-                    Catch::Contains("lamps.csv:3: status is 'gone'"));
+  CHECK_THROWS_MATCHES(read_lamps(folder.write("lamps.csv", text)), InputError,
+                       Refused(Cause::kInvalid, "lamps.csv:3: status"));
 }
 
 }  // namespace

@@ -4,10 +4,13 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 Path path_of(const std::string& text) {
   const test::TemporaryFolder folder;
@@ -28,17 +31,19 @@ TEST_CASE("A table of places gives lines, arcs and directions of the tool") {
 
 TEST_CASE("A place that cannot be reached from the one before is named by its line") {
   const std::string header = "x_mm,y_mm,via_x_mm,via_y_mm\n";
-  CHECK_THROWS_WITH(path_of(header + "300,200,,\n300,200,,\n"),
-                    Catch::Contains("path.csv:3: repeats the place before it"));
-  CHECK_THROWS_WITH(path_of(header + "300,200,,\n400,200,350,200\n"),
-                    Catch::Contains("path.csv:3: the three places of an arc"));
-  CHECK_THROWS_WITH(path_of(header + "300,200,1,2\n400,200,,\n"),
-                    Catch::Contains("path.csv:2: the first row is where the path begins"));
-  CHECK_THROWS_WITH(path_of(header + "300,200,,\n400,200,350,\n"), Catch::Contains("via_y_mm"));
-  CHECK_THROWS_WITH(path_of(header + "300,200,,\n"), Catch::Contains("at least two rows"));
+  CHECK_THROWS_MATCHES(path_of(header + "300,200,,\n300,200,,\n"), InputError,
+                       Refused(Cause::kExists, "path.csv:3"));
+  CHECK_THROWS_MATCHES(path_of(header + "300,200,,\n400,200,350,200\n"), InputError,
+                       Refused(Cause::kInvalid, "path.csv:3"));
+  CHECK_THROWS_MATCHES(path_of(header + "300,200,1,2\n400,200,,\n"), InputError,
+                       Refused(Cause::kInvalid, "path.csv:2"));
+  CHECK_THROWS_MATCHES(path_of(header + "300,200,,\n400,200,350,\n"), InputError,
+                       Refused(Cause::kInvalid, "path.csv:3: via_y_mm"));
+  CHECK_THROWS_MATCHES(path_of(header + "300,200,,\n"), InputError,
+                       Refused(Cause::kInsufficient, "path.csv"));
   CHECK_THROWS_AS(path_of("x_mm,y_mm\n300,nan\n400,200\n"), InputError);
-  CHECK_THROWS_WITH(path_of("x_mm,y_mm\n300,200\n400,20"),
-                    Catch::Contains("path.csv:3: the last line does not end with a newline"));
+  CHECK_THROWS_MATCHES(path_of("x_mm,y_mm\n300,200\n400,20"), InputError,
+                       Refused(Cause::kInvalid, "path.csv:3"));
 }
 
 TEST_CASE(

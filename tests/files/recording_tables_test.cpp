@@ -4,13 +4,14 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 TEST_CASE("A plan asks for positions by point or by joints, and for board views by neither") {
   const std::vector<PlanRow> rows{{"g", Purpose::kHeldBoard, {}},
@@ -27,15 +28,17 @@ TEST_CASE("A plan asks for positions by point or by joints, and for board views 
 
 TEST_CASE("Plan rows without a place or with a plan that does not exist are named") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(
-      read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,trian,1,2\nb,train,,\n"), 0.0),
-      Contains("plan.csv:2: plan is 'trian'") && Contains("plan.csv:3: has no position"));
+  const auto plan = folder.write("plan.csv", "id,plan,x_mm,y_mm\na,trian,1,2\nb,train,,\n");
+  CHECK_THROWS_MATCHES(read_plan(plan, 0.0), InputError,
+                       Refused(Cause::kInvalid, "plan.csv:2: plan is 'trian'"));
+  CHECK_THROWS_MATCHES(read_plan(plan, 0.0), InputError, Refused(Cause::kMissing, "plan.csv:3"));
 }
 
 TEST_CASE("A plan whose last line is torn is refused") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,train,200,10"), 0.0),
-                    Contains("plan.csv:2: the last line does not end with a newline"));
+  CHECK_THROWS_MATCHES(
+      read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\na,train,200,10"), 0.0), InputError,
+      Refused(Cause::kInvalid, "plan.csv:2"));
 }
 
 TEST_CASE("A plan row without a direction keeps the tool as the cell has it") {
@@ -48,8 +51,9 @@ TEST_CASE("A plan row without a direction keeps the tool as the cell has it") {
 
 TEST_CASE("A plan row whose id would leave the folder of images is refused") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\n../a,train,1,2\n"), 0.0),
-                    Contains("plan.csv:2: id is '../a'"));
+  CHECK_THROWS_MATCHES(
+      read_plan(folder.write("plan.csv", "id,plan,x_mm,y_mm\n../a,train,1,2\n"), 0.0), InputError,
+      Refused(Cause::kInvalid, "plan.csv:2: id is '../a'"));
 }
 
 TEST_CASE("Half a place, or both kinds of place, is a fault of its row") {
@@ -58,11 +62,14 @@ TEST_CASE("Half a place, or both kinds of place, is a fault of its row") {
     const std::string header = "id,plan,x_mm,y_mm,phi_deg,theta1_deg,theta2_deg,theta3_deg\n";
     read_plan(folder.write("plan.csv", header + row), 0.0);
   };
-  CHECK_THROWS_WITH(read("a,train,1,,,,,\n"), Contains("plan.csv:2: y_mm is ''"));
-  CHECK_THROWS_WITH(read("a,train,,2,,,,\n"), Contains("plan.csv:2: x_mm is ''"));
-  CHECK_THROWS_WITH(read("a,train,,,,1,,3\n"), Contains("plan.csv:2: theta2_deg is ''"));
-  CHECK_THROWS_WITH(read("a,train,1,2,,1,2,3\n"),
-                    Contains("plan.csv:2: has both x_mm and theta1_deg"));
+  CHECK_THROWS_MATCHES(read("a,train,1,,,,,\n"), InputError,
+                       Refused(Cause::kInvalid, "plan.csv:2: y_mm"));
+  CHECK_THROWS_MATCHES(read("a,train,,2,,,,\n"), InputError,
+                       Refused(Cause::kInvalid, "plan.csv:2: x_mm"));
+  CHECK_THROWS_MATCHES(read("a,train,,,,1,,3\n"), InputError,
+                       Refused(Cause::kInvalid, "plan.csv:2: theta2_deg"));
+  CHECK_THROWS_MATCHES(read("a,train,1,2,,1,2,3\n"), InputError,
+                       Refused(Cause::kContradiction, "plan.csv:2"));
 }
 
 TEST_CASE("A frame comes back as it was written") {
@@ -79,11 +86,14 @@ TEST_CASE("A frame comes back as it was written") {
 
 TEST_CASE("A recording that is no folder, empty or of an unknown plan is refused") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(read_frames(folder / "absent"), Contains("is not a folder"));
+  CHECK_THROWS_MATCHES(read_frames(folder / "absent"), InputError,
+                       Refused(Cause::kMissing, "absent"));
   folder.write("frames.csv", frames_header());
-  CHECK_THROWS_WITH(read_frames(folder.path()), Contains("has no rows"));
+  CHECK_THROWS_MATCHES(read_frames(folder.path()), InputError,
+                       Refused(Cause::kMissing, "frames.csv: "));
   folder.write("frames.csv", frames_header() + "a,a.pgm,0,traning,0,0,0,0,0,0,0,0,8,8\n");
-  CHECK_THROWS_WITH(read_frames(folder.path()), Contains("frames.csv:3: plan is 'traning'"));
+  CHECK_THROWS_MATCHES(read_frames(folder.path()), InputError,
+                       Refused(Cause::kInvalid, "frames.csv:3: plan"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 #include "support/texts.h"
 
@@ -11,6 +12,7 @@ namespace planar {
 namespace {
 
 using Catch::Contains;
+using test::Refused;
 
 TargetResult sample() {
   TargetResult result;
@@ -71,8 +73,8 @@ TEST_CASE("A result with a status that does not exist is named") {
   const test::TemporaryFolder folder;
   std::string line = result_line(sample());
   line.replace(line.find("not_converged"), 13, "arrived");
-  CHECK_THROWS_WITH(read_results(folder.write("results.csv", results_header() + line)),
-                    Contains("results.csv:3: status is 'arrived'"));
+  CHECK_THROWS_MATCHES(read_results(folder.write("results.csv", results_header() + line)),
+                       InputError, Refused(Cause::kInvalid, "results.csv:3: status"));
 }
 
 long commas(const std::string& text) {
@@ -102,8 +104,8 @@ TEST_CASE("The errors of steps are read back, with none where the tool was not s
   CHECK((steps[0].target == "a" && steps[0].step == 2));
   CHECK(steps[0].error.value() == Approx(0.005e-3));
   CHECK((steps[1].target == "b" && !steps[1].error));
-  CHECK_THROWS_WITH(read_step_errors(folder.write("bad.csv", steps_header() + "a,one\n")),
-                    Catch::Contains("bad.csv:3"));
+  CHECK_THROWS_MATCHES(read_step_errors(folder.write("bad.csv", steps_header() + "a,one\n")),
+                       InputError, Refused(Cause::kInvalid, "bad.csv:3"));
 }
 
 }  // namespace

@@ -3,11 +3,12 @@
 #include <catch2/catch.hpp>
 
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 TEST_CASE("Lines of a tracker have names only where their column is told") {
   TrackerLines plain("wire", {});
@@ -24,21 +25,24 @@ TEST_CASE("Lines of a tracker have names only where their column is told") {
 
 TEST_CASE("Half a line of counted columns is a fault, and a longer one is read") {
   TrackerLines lines("wire", {{' ', false, {{"x_mm", "1"}, {"y_mm", "2"}, {"z_mm", "3"}}}});
-  CHECK_THROWS_WITH(lines.next("1.5 2"), Contains("wire:1: has 2 fields; the header has 3"));
+  CHECK_THROWS_MATCHES(lines.next("1.5 2"), InputError,
+                       Refused(Cause::kInvalid, "wire:1: has 2 fields"));
   CHECK(lines.next("1.5 2 3 ok 7")->p_L.isApprox(Eigen::Vector3d(0.0015, 0.002, 0.003)));
 }
 
 TEST_CASE("A header without the coordinates is refused, and a later one is taken") {
   TrackerLines lines("wire", {});
-  CHECK_THROWS_WITH(lines.next("a,b,c"), Contains("lacks the columns x_mm, y_mm, z_mm"));
+  CHECK_THROWS_MATCHES(lines.next("a,b,c"), InputError,
+                       Refused(Cause::kMissing, "x_mm, y_mm, z_mm"));
   CHECK_FALSE(lines.next("z_mm,y_mm,x_mm"));
   CHECK(lines.next("1,2,3")->p_L.x() == 0.003);
 }
 
 TEST_CASE("Columns are told as x=X, and what is no column is named") {
   CHECK(renamed_tracker_columns("x=X,id=Point").at("id") == "Point");
-  CHECK_THROWS_WITH(renamed_tracker_columns("w=X"), Contains("'w=X'"));
-  CHECK_THROWS_WITH(renamed_tracker_columns("x"), Contains("such as x=X"));
+  CHECK_THROWS_MATCHES(renamed_tracker_columns("w=X"), InputError,
+                       Refused(Cause::kInvalid, "'w=X'"));
+  CHECK_THROWS_MATCHES(renamed_tracker_columns("x"), InputError, Refused(Cause::kInvalid, "'x'"));
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 TEST_CASE("A reading comes back as it was written") {
   const test::TemporaryFolder folder;
@@ -31,8 +34,8 @@ TEST_CASE(
                                  "\"M1\"\t3.0 four 5.5e-1\n");
   const TrackerDialect dialect{
       {' ', false, {{"id", "1"}, {"x_mm", "2"}, {"y_mm", "3"}, {"z_mm", "4"}}}, 1.0};
-  CHECK_THROWS_WITH(read_tracker(path, dialect),
-                    Catch::Contains("points.txt:5") && Catch::Contains("four"));
+  CHECK_THROWS_MATCHES(read_tracker(path, dialect), InputError,
+                       Refused(Cause::kInvalid, "points.txt:5: y_mm is 'four'"));
   const auto named =
       folder.write("named.txt", "Title of the job\nID   X      Y    Z\nP1 1.000500 -2.0  0.25\n");
   const TrackerDialect by_name{
@@ -45,7 +48,8 @@ TEST_CASE(
     CHECK(rows[0].id == "P1");
     CHECK((rows[0].p_L - Eigen::Vector3d(1.0005, -2.0, 0.25)).norm() < 1e-12);
   }
-  CHECK_THROWS_WITH(read_tracker(named, by_name, true), Catch::Contains("t_s"));
+  CHECK_THROWS_MATCHES(read_tracker(named, by_name, true), InputError,
+                       Refused(Cause::kMissing, "'t_s'"));
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ std::vector<ArmSight> first_moves(SoundCell& cell) {
 }
 
 struct ArmFault {
-  Cause cause;
+  HealthCause cause;
   std::function<void(SoundCell&)> make;
   double size;  ///< NaN for faults in kind
 };
@@ -45,27 +45,28 @@ std::function<void(SoundCell&)> built(const std::function<void(CellModel&)>& mak
 }
 
 const ArmFault kArmFaults[] = {
-    {Cause::kDirection1, built([](CellModel& m) { m.gears[0] = -1.0; }), kNoSize},
-    {Cause::kDirection2, built([](CellModel& m) { m.gears[1] = -1.0; }), kNoSize},
-    {Cause::kDirection3, built([](CellModel& m) { m.gears[2] = -1.0; }), kNoSize},
-    {Cause::kCoupling2, built([](CellModel& m) { m.coupling = test::coupling_of(false, true); }),
+    {HealthCause::kDirection1, built([](CellModel& m) { m.gears[0] = -1.0; }), kNoSize},
+    {HealthCause::kDirection2, built([](CellModel& m) { m.gears[1] = -1.0; }), kNoSize},
+    {HealthCause::kDirection3, built([](CellModel& m) { m.gears[2] = -1.0; }), kNoSize},
+    {HealthCause::kCoupling2,
+     built([](CellModel& m) { m.coupling = test::coupling_of(false, true); }), kNoSize},
+    {HealthCause::kCoupling3,
+     built([](CellModel& m) { m.coupling = test::coupling_of(true, false); }), kNoSize},
+    {HealthCause::kPositiveRotation, built([](CellModel& m) { m.sense = -1.0; }), kNoSize},
+    {HealthCause::kLinksExchanged, built([](CellModel& m) { m.links_m.reverseInPlace(); }),
      kNoSize},
-    {Cause::kCoupling3, built([](CellModel& m) { m.coupling = test::coupling_of(true, false); }),
-     kNoSize},
-    {Cause::kPositiveRotation, built([](CellModel& m) { m.sense = -1.0; }), kNoSize},
-    {Cause::kLinksExchanged, built([](CellModel& m) { m.links_m.reverseInPlace(); }), kNoSize},
-    {Cause::kPictureMirrored, built([](CellModel& m) { m.mirrored = true; }), kNoSize},
-    {Cause::kUneven1, off_by(kGearOff, 0.005), 1.005},
-    {Cause::kUneven2, off_by(kGearOff + 1, -0.006), 0.994},
-    {Cause::kUneven3, off_by(kGearOff + 2, 0.006), 1.006},
-    {Cause::kGear1, off_by(kGearOff, 1.0), 2.0},
-    {Cause::kZero1, off_by(kZeroOff, 90.0 * kDegree), 90.0},
-    {Cause::kZero2, off_by(kZeroOff + 1, 5.0 * kDegree), 5.0},
-    {Cause::kZero3, off_by(kZeroOff + 2, -10.0 * kDegree), -10.0},
-    {Cause::kLink1, off_by(kLinkOff, 4e-3), 4.0},
-    {Cause::kLink2, off_by(kLinkOff + 1, -5e-3), -5.0},
-    {Cause::kLamp1Moved, off_by(kLampOff + 1, 1e-3), 1.0},
-    {Cause::kCameraShifted, off_by(kShiftOff, 50e-3), 50.0},
+    {HealthCause::kPictureMirrored, built([](CellModel& m) { m.mirrored = true; }), kNoSize},
+    {HealthCause::kUneven1, off_by(kGearOff, 0.005), 1.005},
+    {HealthCause::kUneven2, off_by(kGearOff + 1, -0.006), 0.994},
+    {HealthCause::kUneven3, off_by(kGearOff + 2, 0.006), 1.006},
+    {HealthCause::kGear1, off_by(kGearOff, 1.0), 2.0},
+    {HealthCause::kZero1, off_by(kZeroOff, 90.0 * kDegree), 90.0},
+    {HealthCause::kZero2, off_by(kZeroOff + 1, 5.0 * kDegree), 5.0},
+    {HealthCause::kZero3, off_by(kZeroOff + 2, -10.0 * kDegree), -10.0},
+    {HealthCause::kLink1, off_by(kLinkOff, 4e-3), 4.0},
+    {HealthCause::kLink2, off_by(kLinkOff + 1, -5e-3), -5.0},
+    {HealthCause::kLamp1Moved, off_by(kLampOff + 1, 1e-3), 1.0},
+    {HealthCause::kCameraShifted, off_by(kShiftOff, 50e-3), 50.0},
 };
 
 }  // namespace
@@ -91,7 +92,7 @@ TEST_CASE("The first moves name what is wrong with an arm, and how much") {
       if (found.empty()) continue;
       ++seen;
       UNSCOPED_INFO(words(fault.cause) << ", seed " << seed << ": " << found[0].fault);
-      if (found[0].cause != fault.cause) continue;
+      if (found[0].what != fault.cause) continue;
       ++named;
       if (std::isfinite(fault.size)) CHECK(found[0].size == Approx(fault.size).epsilon(0.25));
     }
@@ -106,7 +107,7 @@ TEST_CASE("No gear is said to turn a joint as far as none does") {
   cell.model.gears[2] = 44.0;
   const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
   REQUIRE_FALSE(found.empty());
-  CHECK(found[0].cause != Cause::kGear3);
+  CHECK(found[0].what != HealthCause::kGear3);
 }
 
 TEST_CASE("Degrees taken for radians are named as a gear ratio") {
@@ -114,7 +115,7 @@ TEST_CASE("Degrees taken for radians are named as a gear ratio") {
   cell.model.gears[2] = kDegree;
   const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
   REQUIRE_FALSE(found.empty());
-  CHECK(found[0].cause == Cause::kGear3);
+  CHECK(found[0].what == HealthCause::kGear3);
 }
 
 }  // namespace planar

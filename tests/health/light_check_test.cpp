@@ -38,24 +38,24 @@ TEST_CASE("A change of light or focus is named with its size, its lamp and what 
     look.level = 250.0;
   });
   REQUIRE(light);
-  CHECK(light->cause == Cause::kBackground);
+  CHECK(light->what == HealthCause::kBackground);
   CHECK(light->cost_m == 3e-5);
   CHECK_THAT(light->fault, Catch::Contains("background of lamp 2 is 90 of 255, was 12 to 12"));
   const auto bright = found_with([](LampLook& look) { look.level = 255.0; });
   REQUIRE(bright);
-  CHECK(bright->cause == Cause::kTooBright);
+  CHECK(bright->what == HealthCause::kTooBright);
   const auto unclear = found_with([](LampLook& look) { look.blur_px = 2.0; });
   REQUIRE(unclear);
-  CHECK(unclear->cause == Cause::kUnclearLamp);  // one of two: the lens has kept its focus
+  CHECK(unclear->what == HealthCause::kUnclearLamp);  // one of two: the lens has kept its focus
   std::vector<LampLooks> unfocused = looks_of_field();
   for (LampLooks& look : unfocused) look[0].blur_px = look[1].blur_px = 2.0;
   const auto blurred = find_light_change(*ranges_of(looks_of_field()), unfocused, 3e-5);
   REQUIRE(blurred);
-  CHECK(blurred->cause == Cause::kBlurred);
+  CHECK(blurred->what == HealthCause::kBlurred);
   CHECK_THAT(blurred->fault, Catch::Contains("blurred by 2.00 px, was 0.80 to 1.00"));
   const auto oval = found_with([](LampLook& look) { look.axis_ratio = 0.7; });
   REQUIRE(oval);
-  CHECK(oval->cause == Cause::kOval);
+  CHECK(oval->what == HealthCause::kOval);
 }
 
 }  // namespace planar

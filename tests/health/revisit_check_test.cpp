@@ -28,25 +28,25 @@ std::vector<Revisit> visit_twice(unsigned seed, const Numbers& off) {
 }
 
 struct MovedThing {
-  Cause cause;
+  HealthCause cause;
   int number;
   double value;
   double size;
 };
 
 const MovedThing kMoved[] = {
-    {Cause::kCameraShifted, kShiftOff, 1e-3, 1.0},
-    {Cause::kCameraShifted, kShiftOff + 1, 20e-6, 0.02},
-    {Cause::kCameraTurned, kTurnOff, 0.1 * kDegree, 0.1},
-    {Cause::kCameraCloser, kGrowthOff, -1.3e-3, -0.13},
-    {Cause::kCameraTilted, kTiltOff, 1e-3, 0.25},
-    {Cause::kLamp1Moved, kLampOff, 1e-3, 1.0},
-    {Cause::kLamp1Moved, kLampOff + 1, 40e-6, 0.04},
-    {Cause::kLamp2Moved, kLampOff + 3, -0.2e-3, 0.2},
-    {Cause::kZero2, kZeroOff + 1, 0.05 * kDegree, 0.05},
-    {Cause::kZero3, kZeroOff + 2, -0.3 * kDegree, -0.3},
-    {Cause::kUneven2, kGearOff + 1, 0.002, 1.002},
-    {Cause::kLink1, kLinkOff, 0.5e-3, 0.5},
+    {HealthCause::kCameraShifted, kShiftOff, 1e-3, 1.0},
+    {HealthCause::kCameraShifted, kShiftOff + 1, 20e-6, 0.02},
+    {HealthCause::kCameraTurned, kTurnOff, 0.1 * kDegree, 0.1},
+    {HealthCause::kCameraCloser, kGrowthOff, -1.3e-3, -0.13},
+    {HealthCause::kCameraTilted, kTiltOff, 1e-3, 0.25},
+    {HealthCause::kLamp1Moved, kLampOff, 1e-3, 1.0},
+    {HealthCause::kLamp1Moved, kLampOff + 1, 40e-6, 0.04},
+    {HealthCause::kLamp2Moved, kLampOff + 3, -0.2e-3, 0.2},
+    {HealthCause::kZero2, kZeroOff + 1, 0.05 * kDegree, 0.05},
+    {HealthCause::kZero3, kZeroOff + 2, -0.3 * kDegree, -0.3},
+    {HealthCause::kUneven2, kGearOff + 1, 0.002, 1.002},
+    {HealthCause::kLink1, kLinkOff, 0.5e-3, 0.5},
 };
 
 }  // namespace
@@ -65,7 +65,7 @@ TEST_CASE("Revisits name what has moved, and by how much") {
                                       visit_twice(seed, moved.value * Numbers::Unit(moved.number)));
       INFO(words(moved.cause) << ", seed " << seed << (found.empty() ? "" : found[0].fault));
       REQUIRE_FALSE(found.empty());
-      CHECK(found[0].cause == moved.cause);
+      CHECK(found[0].what == moved.cause);
       CHECK(found[0].size == Approx(moved.size).epsilon(0.3));
     }
   }
@@ -77,7 +77,7 @@ TEST_CASE("A turn about the base is either the camera or joint 1, and both are n
   const auto found = find_changes(above_base, visit_twice(1, 1e-3 * Numbers::Unit(kZeroOff)));
   REQUIRE(found.size() == 2);
   for (const HealthFinding& one : found)
-    CHECK((one.cause == Cause::kZero1 || one.cause == Cause::kCameraTurned));
+    CHECK((one.what == HealthCause::kZero1 || one.what == HealthCause::kCameraTurned));
 }
 
 TEST_CASE("One place alone that is off is a stray, and a change that moves all of them is not") {
@@ -157,7 +157,7 @@ TEST_CASE("A camera raised by 2 mm is found through an arm's scatter") {
                      visit_twice_scattered(seed, 40e-6, -2e-3 / 1.5 * Numbers::Unit(kGrowthOff)));
     INFO("seed " << seed);
     REQUIRE_FALSE(found.empty());
-    CHECK(found[0].cause == Cause::kCameraCloser);
+    CHECK(found[0].what == HealthCause::kCameraCloser);
     CHECK(found[0].size == Approx(-0.133).epsilon(0.3));
   }
 }
@@ -169,7 +169,7 @@ TEST_CASE("Links that warmth lets grow cost nothing, and a link that grows alone
   int warm = 0, costly = 0, alone = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const auto of_warm = find_changes(model, visit_twice(seed, grown));
-    warm += !of_warm.empty() && of_warm[0].cause == Cause::kWarmth;
+    warm += !of_warm.empty() && of_warm[0].what == HealthCause::kWarmth;
     costly += !of_warm.empty() && of_warm[0].cost_m > 0.0;
     const auto of_one = find_changes(model, visit_twice(seed, 0.2e-3 * Numbers::Unit(kLinkOff)));
     alone += !of_one.empty() && of_one[0].cost_m > 0.0;
@@ -184,7 +184,7 @@ TEST_CASE("Two things at once are not called one") {
       test::filed_cell(),
       visit_twice(1, 1e-3 * Numbers::Unit(kLampOff) + 3.5e-3 * Numbers::Unit(kTurnOff)));
   REQUIRE(found.size() == 1);
-  CHECK(found[0].cause == Cause::kSeveral);
+  CHECK(found[0].what == HealthCause::kSeveral);
   CHECK(found[0].cost_m > 0.5e-3);
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("Play beyond what is allowed is named by its joint, and usual play is 
     std::vector<Revisit> twice = visit_twice(7, 0.15 * kDegree * Numbers::Unit(kZeroOff + motor));
     const auto found = find_play(test::filed_cell(), twice[0], kAllowed);
     REQUIRE(found.size() == 1);
-    CHECK(static_cast<int>(found[0].cause) == static_cast<int>(Cause::kPlay1) + motor);
+    CHECK(static_cast<int>(found[0].what) == static_cast<int>(HealthCause::kPlay1) + motor);
     CHECK(found[0].size == Approx(0.15).epsilon(0.05));
     twice = visit_twice(8, 0.01 * kDegree * Numbers::Unit(kZeroOff + motor));
     CHECK(find_play(test::filed_cell(), twice[0], kAllowed).empty());

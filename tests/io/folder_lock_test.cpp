@@ -4,15 +4,19 @@
 #include <optional>
 
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
 
+using test::Refused;
+
 TEST_CASE("A folder is one program's at a time, and free again afterwards") {
   const test::TemporaryFolder folder;
   std::optional<FolderLock> first(folder.path());
-  CHECK_THROWS_WITH(FolderLock(folder.path()), Catch::Contains("another program writes there now"));
+  CHECK_THROWS_MATCHES(FolderLock(folder.path()), InputError,
+                       Refused(Cause::kBusy, folder.path().string()));
   first.reset();
   CHECK_NOTHROW(FolderLock(folder.path()));
   CHECK(std::filesystem::is_empty(folder.path()));

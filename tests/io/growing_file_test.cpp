@@ -4,12 +4,13 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 TEST_CASE("A growing file begins with its header, also in an empty file, and is appended to") {
   const test::TemporaryFolder folder;
@@ -44,7 +45,8 @@ TEST_CASE("What does not begin with the header's first line is neither cut nor a
   for (const char* text :
        {"a letter without a line end", "id,x\na,1\nb,2.7", "# format: planar-"}) {
     const auto file = folder.write("steps.csv", text);
-    CHECK_THROWS_WITH(GrowingFile(file, header), Contains("steps.csv: holds something else"));
+    CHECK_THROWS_MATCHES(GrowingFile(file, header), InputError,
+                         Refused(Cause::kForeign, "steps.csv"));
     CHECK_THROWS_AS(drop_torn_line(file, header), InputError);
     CHECK(read_file(file) == text);
   }
@@ -54,7 +56,8 @@ TEST_CASE("A table does not grow through a link, not even one that is planted wh
   const test::TemporaryFolder folder;
   const auto real = folder.write("real.csv", "id\na");
   std::filesystem::create_symlink(real, folder / "steps.csv");
-  CHECK_THROWS_WITH(GrowingFile(folder / "steps.csv", "id\n"), Contains("is a link, through"));
+  CHECK_THROWS_MATCHES(GrowingFile(folder / "steps.csv", "id\n"), InputError,
+                       Refused(Cause::kInvalid, "steps.csv"));
   CHECK_THROWS_AS(drop_torn_line(folder / "steps.csv", "id\n"), InputError);
   GrowingFile table(folder / "table.csv", "id\n");
   std::filesystem::remove(folder / "table.csv");
@@ -67,17 +70,17 @@ TEST_CASE("A file that begins otherwise is not continued where its header is ask
   const test::TemporaryFolder folder;
   CHECK_NOTHROW(require_header(folder / "absent.csv", "id\n"));
   CHECK_NOTHROW(require_header(folder.write("steps.csv", "id\na\n"), "id\n"));
-  CHECK_THROWS_WITH(require_header(folder.write("other.csv", "name\na\n"), "id\n"),
-                    Contains("other.csv: holds something else already"));
+  CHECK_THROWS_MATCHES(require_header(folder.write("other.csv", "name\na\n"), "id\n"), InputError,
+                       Refused(Cause::kForeign, "other.csv"));
 }
 
 TEST_CASE("What cannot grow is refused before the first line is there") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(GrowingFile(folder.path(), "id\n"),
-                    Contains("cannot be added to; a file that"));
+  CHECK_THROWS_MATCHES(GrowingFile(folder.path(), "id\n"), InputError,
+                       Refused(Cause::kSystem, folder.path().string()));
   CHECK_THROWS_AS(GrowingFile(folder.path(), "id\n"), InputError);
-  CHECK_THROWS_WITH(GrowingFile(folder.path() / "absent" / "steps.csv", "id\n"),
-                    Contains("steps.csv: cannot be written: there is no folder"));
+  CHECK_THROWS_MATCHES(GrowingFile(folder.path() / "absent" / "steps.csv", "id\n"), InputError,
+                       Refused(Cause::kMissing, "steps.csv"));
 }
 
 }  // namespace

@@ -2,12 +2,13 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/csv_table.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 /// A table of points as some program saved it.
 struct Saved {
@@ -41,8 +42,10 @@ TEST_CASE("What is no table in text is named by its kind") {
   const std::pair<const char*, const char*> kinds[] = {
       {"\xFF\xFEi", "UTF-16"},  {"PK\x03\x04", ".xlsx"},   {"G21\nG90\nG0 X200 Y100\n", "G-code"},
       {"%\nO1000\n", "G-code"}, {"N10 G0 X1\n", "G-code"}, {"0\nSECTION\n2\nENTITIES\n", "DXF"}};
-  for (const auto& [text, kind] : kinds) CHECK_THROWS_WITH(Saved(text), Contains(kind));
-  CHECK_THROWS_WITH(Saved("# format: planar-servo/pairs/1,,\nid,x_mm\n"), Contains("pairs"));
+  for (const auto& [text, kind] : kinds)
+    CHECK_THROWS_MATCHES(Saved(text), InputError, Refused(Cause::kInvalid, kind));
+  CHECK_THROWS_MATCHES(Saved("# format: planar-servo/pairs/1,,\nid,x_mm\n"), InputError,
+                       Refused(Cause::kForeign, "planar-servo/pairs/1"));
 }
 
 TEST_CASE("A table with tabs whose first column is called as a code of a program is no program") {
@@ -50,15 +53,16 @@ TEST_CASE("A table with tabs whose first column is called as a code of a program
 }
 
 TEST_CASE("What only looks like a number is named, and commas in numbers are told from columns") {
-  CHECK_THROWS_WITH(Saved("id,x_mm\nA,\xE2\x88\x92"
-                          "200\n")
-                        .numbers(),
-                    Contains("U+2212"));
-  CHECK_THROWS_WITH(Saved("id,x_mm\nA,1\xC2\xA0"
-                          "200\n")
-                        .numbers(),
-                    Contains("U+00A0"));
-  CHECK_THROWS_WITH(Saved("id,x_mm\nA,200,5\n").numbers(), Contains("semicolons"));
+  CHECK_THROWS_MATCHES(Saved("id,x_mm\nA,\xE2\x88\x92"
+                             "200\n")
+                           .numbers(),
+                       InputError, Refused(Cause::kInvalid, "U+2212"));
+  CHECK_THROWS_MATCHES(Saved("id,x_mm\nA,1\xC2\xA0"
+                             "200\n")
+                           .numbers(),
+                       InputError, Refused(Cause::kInvalid, "U+00A0"));
+  CHECK_THROWS_MATCHES(Saved("id,x_mm\nA,200,5\n").numbers(), InputError,
+                       Refused(Cause::kInvalid, "semicolons"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/jog_bench.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 #include "support/unhomed_cell.h"
@@ -18,6 +19,7 @@ namespace {
 
 using Catch::Contains;
 using test::JogBench;
+using test::Refused;
 
 constexpr double kOnePulse_mm = 0.02;  // a pulse of the paper's cell moves the end point by 2 um
 
@@ -44,7 +46,7 @@ class FailingCamera final : public CellDevices, public FrameSource {
   FrameCounts counts() const override { return whole_->camera().counts(); }
   CameraExposure exposure() const override { return whole_->camera().exposure(); }
   void set_exposure(const CameraExposure& /*exposure*/) override {
-    throw WorkError("the camera refuses an exposure of 1 us");
+    throw WorkError("the camera refuses an exposure of 1 us", Cause::kDevice);
   }
 
  private:
@@ -240,10 +242,10 @@ TEST_CASE("A table is begun with the first place taught, also where an empty fil
 
 TEST_CASE("A table that could not be written or has no header is refused before anything moves") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(TaughtTargets(folder.path() / "absent" / "t.csv"),
-                    Contains("t.csv: cannot be written: there is no folder"));
-  CHECK_THROWS_WITH(TaughtTargets(folder.write("t.csv", "# places\n")),
-                    Contains("t.csv: has no header"));
+  CHECK_THROWS_MATCHES(TaughtTargets(folder.path() / "absent" / "t.csv"), InputError,
+                       Refused(Cause::kMissing, "absent/t.csv"));
+  CHECK_THROWS_MATCHES(TaughtTargets(folder.write("t.csv", "# places\n")), InputError,
+                       Refused(Cause::kMissing, "t.csv"));
 }
 
 TEST_CASE("Where the arm stands is told without a negative zero") {
@@ -255,15 +257,16 @@ TEST_CASE("A table is continued only when its ids are known and its last line is
   const test::TemporaryFolder folder;
   const auto file = folder.write("t.csv", "id,x_mm,y_mm,phi_deg\na,1,2,\n");
   TaughtTargets taught(file);
-  CHECK_THROWS_WITH(taught.append({"a", {0.0, 0.0}, 0.0}), Contains("'a' is taken"));
+  CHECK_THROWS_MATCHES(taught.append({"a", {0.0, 0.0}, 0.0}), InputError,
+                       Refused(Cause::kExists, "'a'"));
   taught.append({"b", {0.1, 0.2}, 0.0});
   CHECK(read_targets(file).size() == 2);
-  CHECK_THROWS_WITH(TaughtTargets(folder.write("u.csv", "id,x_mm,y_mm,z_mm\na,1,2,3\n")),
-                    Contains("u.csv:1") && Contains("id,x_mm,y_mm,phi_deg"));
-  CHECK_THROWS_WITH(TaughtTargets(folder.write("v.csv", "id,x_mm,y_mm,phi_deg\na,1,2,0")),
-                    Contains("the last line does not end with a newline"));
-  CHECK_THROWS_WITH(TaughtTargets(folder.write("w.csv", "id,x_mm,y_mm,phi_deg\na,one,2,0\n")),
-                    Contains("w.csv:2: x_mm is 'one'"));
+  CHECK_THROWS_MATCHES(TaughtTargets(folder.write("u.csv", "id,x_mm,y_mm,z_mm\na,1,2,3\n")),
+                       InputError, Refused(Cause::kInvalid, "u.csv:1"));
+  CHECK_THROWS_MATCHES(TaughtTargets(folder.write("v.csv", "id,x_mm,y_mm,phi_deg\na,1,2,0")),
+                       InputError, Refused(Cause::kInvalid, "v.csv"));
+  CHECK_THROWS_MATCHES(TaughtTargets(folder.write("w.csv", "id,x_mm,y_mm,phi_deg\na,one,2,0\n")),
+                       InputError, Refused(Cause::kInvalid, "w.csv:2: x_mm"));
 }
 
 TEST_CASE("Places are taught to a table without directions, without theirs") {

@@ -6,11 +6,14 @@
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 /// The tool is seen at the base.
 const Standing kAtBase{{}, TipPose{}};
@@ -79,9 +82,9 @@ class JudgedCell final : public CellDevices {
 
   ExactTracker exact;
 
-  Clock& clock() override { throw WorkError("no clock"); }
-  FrameSource& camera() override { throw WorkError("no camera"); }
-  DriveGroup& drives() override { throw WorkError("no drives"); }
+  Clock& clock() override { throw WorkError("no clock", Cause::kMissing); }
+  FrameSource& camera() override { throw WorkError("no camera", Cause::kMissing); }
+  DriveGroup& drives() override { throw WorkError("no drives", Cause::kMissing); }
   Tracker& tracker() override { return exact; }
   BoardPresenter* board_presenter() override { return nullptr; }
   std::shared_ptr<Judge> truth() override { return std::make_shared<KnownTruth>(); }
@@ -154,9 +157,9 @@ TEST_CASE("Whoever stops the program ends the round over the monuments and the t
   const CellSettings cell = real_cell();
   JudgedCell devices(cell.datum);
   const auto stop = [] { return true; };
-  CHECK_THROWS_WITH(
+  CHECK_THROWS_MATCHES(
       make_judge(JudgeKind::kTracker, cell, sample_tool(), devices, folder / "tracker.csv", stop),
-      Catch::Contains("stopped while the monuments were read"));
+      WorkError, Refused(Cause::kStopped));
   CHECK(devices.exact.stop());
   CHECK(devices.exact.tool_awaited == 0);
 }
@@ -199,15 +202,18 @@ TEST_CASE("A tracker judges a tool that is not seen only by an arm that it may s
   CHECK(devices.exact.tool_awaited == 1);  // after the monuments
 }
 
-TEST_CASE("A cell that nobody can judge is refused with a remedy") {
+TEST_CASE("A cell that nobody can judge is refused by what it lacks") {
   CellSettings cell = real_cell();
   ToolOffsets unseen;
   unseen.reflector_known = false;
-  CHECK_THROWS_WITH(judge_of(cell, unseen), Catch::Contains("calibrate with the tracker"));
+  CHECK_THROWS_MATCHES(judge_of(cell, unseen), InputError,
+                       Refused(Cause::kMissing, cell.tool.string()));
   cell.datum.pop_back();
-  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("datum has 2 monuments"));
+  CHECK_THROWS_MATCHES(judge_of(cell, sample_tool()), InputError,
+                       Refused(Cause::kMissing, "2 monuments"));
   cell.tracker.kind = test::named(device_kinds().trackers, "none");
-  CHECK_THROWS_WITH(judge_of(cell, sample_tool()), Catch::Contains("name its source"));
+  CHECK_THROWS_MATCHES(judge_of(cell, sample_tool()), InputError,
+                       Refused(Cause::kMissing, "tracker.source"));
 }
 
 }  // namespace

@@ -10,13 +10,12 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
-
-using Catch::Contains;
 
 struct MadeUpDetails final : DeviceDetails {
   int ratchet_teeth{0};
@@ -62,8 +61,8 @@ TEST_CASE("A new kind of drive reads its own keys and is opened, and nothing els
   CHECK(static_cast<const MadeUpDetails&>(*cell.drives[2].details).ratchet_teeth == 17);
   const auto devices = open_cell(cell);
   CHECK_NOTHROW(devices->drives().status());
-  CHECK_THROWS_WITH(read_cell(folder.write("bad.yaml", cell_with_made_up_drives("1")), kinds),
-                    Contains("drives[0].ratchet_teeth is 1"));
+  CHECK_THROWS_MATCHES(read_cell(folder.write("bad.yaml", cell_with_made_up_drives("1")), kinds),
+                       InputError, test::Refused(Cause::kInvalid, "drives[0].ratchet_teeth"));
 }
 
 TEST_CASE("Every kind has a name of its own") {

@@ -5,13 +5,12 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/hardware/drives/drive_kinds.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
-
-using Catch::Contains;
 
 constexpr const char* kKeys =
     "port: /dev/serial/by-id/board, baud: 115200, pulses_per_mm: 250, "
@@ -55,26 +54,22 @@ TEST_CASE("A cell may have a Grbl board, whose axes make the cell's speeds") {
 }
 
 TEST_CASE("What a Grbl board cannot do is refused when the cell is read") {
-  const auto refusal = [](const std::string& from, const std::string& to) {
-    try {
-      GrblCell().replace(from, to).read();
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+  const auto refuses = [](const std::string& from, const std::string& to, Cause cause,
+                          const std::string& name) {
+    CAPTURE(to);
+    GrblCell cell;
+    cell.replace(from, to);
+    CHECK_THROWS_MATCHES(cell.read(), InputError, test::Refused(cause, name));
   };
-  CHECK_THAT(refusal("pulses_per_mm: 250", "pulses_per_mm: 80"),
-             Contains("pulses_per_mm is 80; it must divide 1000"));
-  CHECK_THAT(refusal("baud: 115200", "baud: 115000"),
-             Contains("baud is 115000; one of") && Contains("115200"));
-  CHECK_THAT(refusal("port: /dev/serial/by-id/board", "port: /dev/ttyUSB0"),
-             Contains("another port or baud than drives[0]"));
-  CHECK_THAT(refusal("axis: Y", "axis: X"), Contains("each joint needs an axis of its own"));
-  CHECK_THAT(refusal("axis: Y", "axis: A"), Contains("axis"));
-  CHECK_THAT(refusal("reference: reverse_switch", "reference: taught"),
-             Contains("must both be taught or both have a home switch"));
-  CHECK_THAT(refusal("max_speed_deg_s: 45", "max_speed_deg_s: 46"),
-             Contains("it may be at most 45") && Contains("must rest within 0.2 s"));
+  refuses("pulses_per_mm: 250", "pulses_per_mm: 80", Cause::kInvalid, "pulses_per_mm is 80");
+  refuses("baud: 115200", "baud: 115000", Cause::kInvalid, "baud is 115000");
+  refuses("port: /dev/serial/by-id/board", "port: /dev/ttyUSB0", Cause::kContradiction,
+          "port or baud");
+  refuses("axis: Y", "axis: X", Cause::kExists, "axis X");
+  refuses("axis: Y", "axis: A", Cause::kInvalid, "drives[1].axis");
+  refuses("reference: reverse_switch", "reference: taught", Cause::kContradiction,
+          "drives[1] and drives[0]");
+  refuses("max_speed_deg_s: 45", "max_speed_deg_s: 46", Cause::kInvalid, "at most 45");
 }
 
 }  // namespace

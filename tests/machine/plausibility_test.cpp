@@ -51,9 +51,9 @@ TEST_CASE("Links given in metres or tenths of millimetres are questioned, and wh
 TEST_CASE("Limits of a joint that are as small as radians, or beyond two turns, are questioned") {
   CellSettings cell = paper_cell();
   cell.transmission.limits_rad[0] = {-12.5 * kDegree, 3.1 * kDegree};
-  check_question(cell, "arm.joint_limits_deg[0]", "is [-12.5, 3.1]; radians would be such numbers");
+  check_question(cell, "arm.joint_limits_deg[0]", "[-12.5, 3.1]");
   cell.transmission.limits_rad[0] = {-721.0 * kDegree, 3.1 * kDegree};
-  check_question(cell, "arm.joint_limits_deg[0]", "is [-721, 3.1]; that is beyond two turns");
+  check_question(cell, "arm.joint_limits_deg[0]", "[-721, 3.1]");
   cell.transmission.limits_rad[0] = {-720.0 * kDegree, 12.7 * kDegree};
   CHECK(question_values(cell).empty());
 }
@@ -62,7 +62,7 @@ TEST_CASE("A home pose beyond the limits of a motor is questioned") {
   CellSettings cell = paper_cell();
   const Eigen::Vector3d motors = Transmission(cell.transmission).motors_from_joints(cell.arm.home);
   cell.transmission.limits_rad[1] = {motors[1] + 20.0 * kDegree, motors[1] + 90.0 * kDegree};
-  check_question(cell, "arm.home_deg", "the arm cannot go there: motor 2 would turn to");
+  check_question(cell, "arm.home_deg", "motor 2");
 }
 
 TEST_CASE("Pixels that no sensor has are questioned, and none that some have") {
@@ -82,9 +82,9 @@ TEST_CASE("Pixels that no sensor has are questioned, and none that some have") {
 TEST_CASE("Lamps farther apart than the shorter link, or given in metres, are questioned") {
   CellSettings cell = paper_cell();
   cell.lamps.layout.separation_m = 0.4;
-  check_question(cell, "lamps.separation_mm", "is 400; the shorter link, 300 mm, is shorter");
+  check_question(cell, "lamps.separation_mm", "is 400");
   cell.lamps.layout.separation_m = 0.04e-3;
-  check_question(cell, "lamps.separation_mm", "is 0.04; the shorter link, 300 mm, is more than a");
+  check_question(cell, "lamps.separation_mm", "is 0.04");
 }
 
 TEST_CASE("A keep-out disc in metres is questioned, and one outside the workspace") {
@@ -103,7 +103,7 @@ TEST_CASE("A keep-out disc in metres is questioned, and one outside the workspac
 TEST_CASE("An inner radius in metres is questioned, and none is not") {
   CellSettings cell = paper_cell();
   cell.workspace.radius_min_m = 0.06e-3;
-  check_question(cell, "workspace.radius_min_mm", "is 0.06; metres would be such numbers");
+  check_question(cell, "workspace.radius_min_mm", "is 0.06");
   cell.workspace.radius_min_m = 0.0;
   CHECK(question_values(cell).empty());
 }
@@ -111,7 +111,7 @@ TEST_CASE("An inner radius in metres is questioned, and none is not") {
 TEST_CASE("A home pose and a direction of the tool in radians are questioned, small angles not") {
   CellSettings cell = paper_cell();
   cell.arm.home = Joints(0.0, 1.0472, -0.785) * kDegree;
-  check_question(cell, "arm.home_deg", "is 0, 1.0472, -0.785; radians would be such numbers");
+  check_question(cell, "arm.home_deg", "0, 1.0472, -0.785");
   for (const double sound : {0.0, 1.0, 1.5, 3.0, 5.0, 6.0}) {
     cell.arm.home = Joints(sound, 0.0, 0.0) * kDegree;
     CHECK(question_values(cell).empty());
@@ -126,7 +126,7 @@ TEST_CASE("A tolerance in micrometres or metres is questioned, and a longest ste
   CellSettings cell = paper_cell();
   for (const double tolerance_m : {5e-3, 0.9e-6, 5e-9}) {
     cell.servo.tolerance_m = tolerance_m;
-    check_question(cell, "servo.tolerance_mm", "positioned within 0.001 to 0.5 mm");
+    check_question(cell, "servo.tolerance_mm", "0.001 to 0.5 mm");
   }
   cell.servo.tolerance_m = 0.5e-3;
   CHECK(question_values(cell).empty());
@@ -138,7 +138,7 @@ TEST_CASE("A tracker's scatter in micrometres or metres is questioned, and none 
   CellSettings cell = paper_cell();
   for (const double sigma_m : {10e-3, 1e-8}) {
     cell.tracker.sigma_m = sigma_m;
-    check_question(cell, "tracker.sigma_mm", "trackers scatter by 0.0001 to 2 mm");
+    check_question(cell, "tracker.sigma_mm", "0.0001 to 2 mm");
   }
   cell.tracker.sigma_m = 0.0;
   cell.tracker.sigma_m_per_m = 6e-3;
@@ -153,13 +153,13 @@ TEST_CASE("A tracker's scatter in micrometres or metres is questioned, and none 
 TEST_CASE("Lamps given in metres are questioned, those on the tool and those on the base") {
   CellSettings cell = read_cell(test::workshop_cell_file());
   cell.lamps.layout.diameters_m[1] = 8e-6;
-  check_question(cell, "lamps.diameter_mm[1]", "is 0.008; lamps are usually 0.1 to 100 mm wide");
+  check_question(cell, "lamps.diameter_mm[1]", "is 0.008");
   cell = read_cell(test::workshop_cell_file());
   cell.reference_lamps[2].diameter_m = 8e-6;
   check_question(cell, "reference_lamps[2].diameter_mm", "is 0.008");
   cell = read_cell(test::workshop_cell_file());
   for (ReferenceLampLayout& lamp : cell.reference_lamps) *lamp.p_B *= 1e-3;
-  check_question(cell, "reference_lamps", "no place is farther than 0.66");
+  check_question(cell, "reference_lamps", "0.66");
   for (ReferenceLampLayout& lamp : cell.reference_lamps) lamp.p_B.reset();
   CHECK(question_values(cell).empty());
 }
@@ -167,7 +167,7 @@ TEST_CASE("Lamps given in metres are questioned, those on the tool and those on 
 TEST_CASE("Monuments given in metres are questioned, and none are not") {
   CellSettings cell = paper_cell();
   for (Monument& monument : cell.datum) monument.p_B *= 1e-3;
-  check_question(cell, "datum", "no place is farther than 0.6");
+  check_question(cell, "datum", "0.6");
   cell.datum.clear();
   CHECK(question_values(cell).empty());
 }
@@ -175,7 +175,7 @@ TEST_CASE("Monuments given in metres are questioned, and none are not") {
 TEST_CASE("A joint as fast as its motor, or in radians, is questioned") {
   CellSettings cell = paper_cell();
   cell.transmission.drives[1].max_speed_rad_s = 6000.0 * kDegree;
-  check_question(cell, "drives[1].max_speed_deg_s", "is 6000; joints usually turn at 0.5 to 1000");
+  check_question(cell, "drives[1].max_speed_deg_s", "is 6000");
   cell.transmission.drives[1].max_speed_rad_s = 0.26 * kDegree;
   check_question(cell, "drives[1].max_speed_deg_s", "is 0.26");
 }
@@ -183,7 +183,7 @@ TEST_CASE("A joint as fast as its motor, or in radians, is questioned") {
 TEST_CASE("A workspace beyond the arm stretched out, or given in metres, is questioned") {
   CellSettings cell = paper_cell();
   cell.workspace.radius_max_m = 0.601;
-  check_question(cell, "workspace.radius_max_mm", "is 601; the arm stretched out, 600 mm");
+  check_question(cell, "workspace.radius_max_mm", "is 601");
   cell.workspace.radius_max_m = 0.54e-3;
   check_question(cell, "workspace.radius_max_mm", "is 0.54");
   cell.workspace.radius_max_m = 0.6;

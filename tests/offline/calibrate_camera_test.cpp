@@ -10,6 +10,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/tables/recording_tables.h"
+#include "support/refused.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 
@@ -17,6 +18,7 @@ namespace planar {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::Refused;
 
 const Board kBoard{Board::Kind::kCircles, 7, 5, 0.03};
 
@@ -74,14 +76,16 @@ TEST_CASE("A recording stands for its frames of plan grid, regions in their plac
 
 TEST_CASE("Missing images and recordings without a grid are named") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(find_board_views({folder / "a.png", folder / "b.png"}, kBoard),
-                    Contains("a.png") && Contains("b.png") && Contains("cannot be read"));
+  for (const char* missing : {"a.png", "b.png"})
+    CHECK_THROWS_MATCHES(find_board_views({folder / "a.png", folder / "b.png"}, kBoard), InputError,
+                         Refused(Cause::kMissing, missing));
   FrameRow row;
   row.id = "1";
   row.plan = Purpose::kTrain;
   row.image = "x.png";
   folder.write("frames.csv", frames_header() + frame_line(row));
-  CHECK_THROWS_WITH(find_board_views({folder.path()}, kBoard), Contains("no frame of plan 'grid'"));
+  CHECK_THROWS_MATCHES(find_board_views({folder.path()}, kBoard), InputError,
+                       Refused(Cause::kMissing, "'grid'"));
 }
 
 TEST_CASE("Points of another program must make whole views, bad lines are named") {
@@ -93,10 +97,13 @@ TEST_CASE("Points of another program must make whole views, bad lines are named"
       board_views_from_points(folder.write("p.txt", "# u v\n" + nine + "\n" + nine), board, {});
   CHECK(views.problem.views.size() == 2);
   CHECK(views.problem.width_px == 82);
-  CHECK_THROWS_WITH(board_views_from_points(folder.write("p.txt", nine + "1 2\n"), board, {}),
-                    Contains("10 points"));
-  CHECK_THROWS_WITH(board_views_from_points(folder.write("p.txt", "1 2\n1 x\n1 2 3\n"), board, {}),
-                    Contains("p.txt:2:") && Contains("p.txt:3:"));
+  const auto refuses = [&](const std::string& points, const std::string& name) {
+    CHECK_THROWS_MATCHES(board_views_from_points(folder.write("p.txt", points), board, {}),
+                         InputError, Refused(Cause::kInvalid, name));
+  };
+  refuses(nine + "1 2\n", "10 points");
+  refuses("1 2\n1 x\n1 2 3\n", "p.txt:2:");
+  refuses("1 2\n1 x\n1 2 3\n", "p.txt:3:");
 }
 
 TEST_CASE("Points in another order are told from those of another grid") {
@@ -118,11 +125,11 @@ TEST_CASE("Points in another order are told from those of another grid") {
   };
   CHECK_NOTHROW(read([](int column, int row) { return 9 * row + column; }));
   CHECK_NOTHROW(read([](int column, int row) { return 9 * (6 - row) + 8 - column; }));
-  CHECK_THROWS_WITH(read([](int column, int row) { return 7 * column + row; }),
-                    Contains("view 1 is listed column by column") && Contains("7 x 9"));
-  CHECK_THROWS_WITH(
+  CHECK_THROWS_MATCHES(read([](int column, int row) { return 7 * column + row; }), InputError,
+                       Refused(Cause::kInvalid, "grid 7 x 9"));
+  CHECK_THROWS_MATCHES(
       read([](int column, int row) { return 9 * row + (row % 2 == 0 ? column : 8 - column); }),
-      Contains("no picture of 9 x 7 points listed row by row"));
+      InputError, Refused(Cause::kInvalid, "9 x 7 points"));
 }
 
 TEST_CASE("Points of large and small grids in order are read, under a fisheye lens, too") {
@@ -141,8 +148,9 @@ TEST_CASE("Points of large and small grids in order are read, under a fisheye le
     for (int column = 0; column < columns; ++column)
       for (int row = 0; row < rows; ++row) by_columns += point(column, row);
     CHECK_NOTHROW(board_views_from_points(folder.write("p.txt", in_order), board, {}));
-    CHECK_THROWS_WITH(board_views_from_points(folder.write("p.txt", by_columns), board, {}),
-                      Contains("view 1 is listed column by column"));
+    CHECK_THROWS_MATCHES(board_views_from_points(folder.write("p.txt", by_columns), board, {}),
+                         InputError,
+                         Refused(Cause::kInvalid, fmt::format("grid {} x {}", rows, columns)));
   }
 }
 

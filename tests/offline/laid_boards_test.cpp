@@ -8,6 +8,7 @@
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/geometry/lens/workplane.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
@@ -91,9 +92,8 @@ TEST_CASE("Boards seen in another size than they have are doubted, all or the on
   CHECK(doubts(0.0).empty());
   CHECK(doubts(0.0005).empty());
   REQUIRE(doubts(0.0055).size() == 1);
-  CHECK_THAT(doubts(0.0055)[0].text(),
-             Catch::Contains("as if their dots lay 5.5 mm below the plane") &&
-                 Catch::Contains("check --board-thickness-mm"));
+  CHECK(doubts(0.0055)[0].cause == Cause::kContradiction);
+  CHECK_THAT(doubts(0.0055)[0].fault, Catch::Contains("5.5 mm below"));
   boards[1] = laid_at(cell, board_lying({0.1, -0.1}, 1.0, 0.003), board, board.pitch);
   REQUIRE(doubts(0.0).size() == 1);
   CHECK_THAT(doubts(0.0)[0].fault,
@@ -106,8 +106,8 @@ TEST_CASE("A chessboard has no dots to be seen") {
   const test::SyntheticCell cell;
   const Board board = parse_board("chessboard:5x4:50mm");
   const LaidBoard laid{"lay", Pose::Identity(), board, {}};
-  CHECK_THROWS_WITH(seen_lays(cell.workplane(), {laid}, 0.0),
-                    Catch::Contains("lay a board of circles"));
+  CHECK_THROWS_MATCHES(seen_lays(cell.workplane(), {laid}, 0.0), InputError,
+                       test::Refused(Cause::kInvalid, "chessboard"));
 }
 
 }  // namespace planar

@@ -10,6 +10,7 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/map/fit_map_to_pairs.h"
+#include "support/refused.h"
 #include "support/rendered_lamp.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
@@ -17,7 +18,7 @@
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 PairRow row(const std::string& id, std::optional<Purpose> plan, double t_s) {
   PairRow pair;
@@ -62,9 +63,9 @@ TEST_CASE("Dots are sorted into their lays, of one board each with a standard de
   CHECK(board.lays[0].sigma[1] == 3e-6);
   CHECK(board.pitch_known);
   rows[2].pitch_known = false;
-  CHECK_THROWS_WITH(laid_dots(rows), Contains("pitch is known for some lays only"));
+  CHECK_THROWS_MATCHES(laid_dots(rows), InputError, Refused(Cause::kContradiction, "pitch"));
   rows[1].sigma = 0.0;
-  CHECK_THROWS_WITH(laid_dots(rows), Contains("'a'") && Contains("--lays-out"));
+  CHECK_THROWS_MATCHES(laid_dots(rows), InputError, Refused(Cause::kInvalid, "'a'"));
 }
 
 TEST_CASE("A pair without lamps, joints or deviations is named") {
@@ -76,7 +77,7 @@ TEST_CASE("A pair without lamps, joints or deviations is named") {
         +[](PairRow& pair) { pair.sigma_tracker.reset(); }}) {
     PairRow pair = row("p7", Purpose::kTrain, 0.0);
     spoil(pair);
-    CHECK_THROWS_WITH(pose_samples(cell, {pair}), Contains("pair 'p7' lacks"));
+    CHECK_THROWS_MATCHES(pose_samples(cell, {pair}), InputError, Refused(Cause::kMissing, "'p7'"));
   }
 }
 
@@ -176,13 +177,12 @@ TEST_CASE("Marks and bars beyond where lamps were seen do not count") {
   REQUIRE(inner.marks.size() == 1);
   CHECK(inner.marks[0].p_B.x() == Approx(-0.1));
   CHECK(fixed_by(0, inner).turn == FieldSource::kNothing);
-  CHECK_THROWS_WITH(laid_things(marks, from_above(), 0.05),
-                    Contains("none of the 2 marks") && Contains("within 50 mm of the axis"));
+  CHECK_THROWS_MATCHES(laid_things(marks, from_above(), 0.05), InputError,
+                       Refused(Cause::kInsufficient, "within 50 mm"));
   CHECK(laid_things(bar, from_above(), 0.35).lengths.size() == 2);
   CHECK(laid_things(bar, from_above(), 0.25).lengths.size() == 1);
-  CHECK_THROWS_WITH(
-      laid_things(bar, from_above(), 0.15),
-      Contains("seen in none of 2 pictures with both ends within 150 mm") && Contains("lay it"));
+  CHECK_THROWS_MATCHES(laid_things(bar, from_above(), 0.15), InputError,
+                       Refused(Cause::kInsufficient, "within 150 mm"));
 }
 
 TEST_CASE("A field at the lamps is judged where the tracker saw the reflector") {
@@ -205,8 +205,9 @@ TEST_CASE("A field at the lamps is judged where the tracker saw the reflector") 
   pair.p_reflector->x() -= 1e-4;
   CHECK(check_error_map(field, {pair}).compensated.mean < 1e-12);
   pair.lamps_B.reset();
-  CHECK_THROWS_WITH(require_what_it_needs(field, {pair}, "pairs.csv"),
-                    Contains("pairs.csv") && Contains("x_lamp1_mm") && Contains("pair a"));
+  for (const char* name : {"pairs.csv", "x_lamp1_mm", "pair a"})
+    CHECK_THROWS_MATCHES(require_what_it_needs(field, {pair}, "pairs.csv"), InputError,
+                         Refused(Cause::kMissing, name));
 }
 
 }  // namespace

@@ -9,11 +9,13 @@
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/tool/vision_tip.h"
 #include "planar_servo/offline/pairs/pair_page.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::Refused;
 using test::SyntheticCell;
 
 constexpr double kExact = 1e-9;  // m
@@ -198,7 +200,8 @@ TEST_CASE(
   const SyntheticCell cell = noiseless();
   PairTrackerRequest request = recorded(cell);
   request.tracker.resize(request.cell.datum.size());  // monuments alone
-  CHECK_THROWS_WITH(pair_tracker(request), Contains("--workplane-from grid"));
+  CHECK_THROWS_MATCHES(pair_tracker(request), InputError,
+                       Refused(Cause::kMissing, "--workplane-from grid"));
   const PlanarArm arm(request.cell.arm.geometry);
   std::mt19937 random(4);
   request.frames.resize(1);
@@ -230,10 +233,11 @@ TEST_CASE(
 TEST_CASE("Lamps of another recording and readings without monuments are refused") {
   PairTrackerRequest request = recorded(noiseless());
   request.lamps[5].image = "images/other.png";
-  CHECK_THROWS_WITH(pair_tracker(request), Contains("images/other.png"));
+  CHECK_THROWS_MATCHES(pair_tracker(request), InputError,
+                       Refused(Cause::kMissing, "images/other.png"));
   request = recorded(noiseless());
   request.tracker.erase(request.tracker.begin(), request.tracker.begin() + 2);
-  CHECK_THROWS_WITH(pair_tracker(request), Contains("1 of the cell's monuments"));
+  CHECK_THROWS_MATCHES(pair_tracker(request), InputError, Refused(Cause::kInsufficient, "datum"));
 }
 
 TEST_CASE("Every printed figure of pairs stands in the JSON, by plan") {

@@ -11,12 +11,13 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/offline/paper/drawings.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
 
 using Catch::Matchers::Contains;
-using Catch::Matchers::Message;
+using test::Refused;
 
 constexpr double kPixelsPerMm = 10.0;
 
@@ -101,7 +102,7 @@ TEST_CASE("SVG and PDF have the page's size, and say that they are ours") {
   CHECK(std::stod(box[2]) == Approx(297.0 / 25.4 * 72.0).epsilon(1e-6));
   CHECK(kind_of_text(pdf) == kPaperKind);
   CHECK(page_format("a.svg") == PageFormat::kSvg);
-  CHECK_THROWS_WITH(page_format("a.png"), Contains("a.png: is neither an .svg nor a .pdf"));
+  CHECK_THROWS_MATCHES(page_format("a.png"), InputError, Refused(Cause::kInvalid, "a.png"));
 }
 
 TEST_CASE("A page lies as the board does") {
@@ -110,17 +111,19 @@ TEST_CASE("A page lies as the board does") {
 }
 
 TEST_CASE("A board that does not fit is refused with the pitch and the count that do") {
-  CHECK_THROWS_WITH(board_page("circles:11x11:50mm", "A4"),
-                    Contains("needs a page of 599 x 601 mm, but --page is 210 x 297 mm") &&
-                        Contains("pitch that fits is 16.1 mm") &&
-                        Contains("count at 50 mm is 3 x 4"));
+  const auto refuses = [](const char* board, const char* page, const char* name,
+                          Cause cause = Cause::kInvalid) {
+    CHECK_THROWS_MATCHES(board_page(board, page), InputError, Refused(cause, name));
+  };
+  for (const char* name : {"599 x 601 mm", "--page is 210 x 297 mm", "16.1 mm", "3 x 4"})
+    refuses("circles:11x11:50mm", "A4", name);
   CHECK_NOTHROW(board_page("circles:11x11:16.1mm", "A4"));
   CHECK_THROWS_AS(board_page("circles:11x11:16.2mm", "A4"), InputError);
   CHECK_NOTHROW(board_page("circles:3x4:50mm", "A4"));
   CHECK_THROWS_AS(board_page("circles:4x4:50mm", "A4"), InputError);
-  CHECK_THROWS_WITH(board_page("circles:6x6:?", ""), Contains("has no pitch"));
-  CHECK_THROWS_WITH(board_page("circles:6x6:20mm", "A5"), Contains("--page is 'A5'"));
-  CHECK_THROWS_WITH(board_page("circles:6x6:20mm", "0x10mm"), Contains("a side is 50 to 5000 mm"));
+  refuses("circles:6x6:?", "", "circles:6x6:?", Cause::kMissing);
+  refuses("circles:6x6:20mm", "A5", "--page is 'A5'");
+  refuses("circles:6x6:20mm", "0x10mm", "50 to 5000 mm");
 }
 
 /// Returns how far from this place the page has ink first, along a direction that has no line.
@@ -154,11 +157,10 @@ TEST_CASE("Parts of a tool that overlap are refused") {
   ToolMount mount;
   mount.lamps = {0.040, {0.008, 0.008}};
   mount.p_TS = {0.014, -0.008};
-  CHECK_THROWS_WITH(tool_page(mount, ""),
-                    Contains("lamp 2 and reflector overlap: their centres are 10.0 mm apart; place "
-                             "them at least 23.1 mm apart"));
-  CHECK_THROWS_WITH(tool_page(ToolMount{{0.040, {0.008, 0.008}}}, "50x50mm"),
-                    Contains("the tool needs a page of"));
+  for (const char* name : {"lamp 2 and reflector", "10.0 mm", "23.1 mm"})
+    CHECK_THROWS_MATCHES(tool_page(mount, ""), InputError, Refused(Cause::kContradiction, name));
+  CHECK_THROWS_MATCHES(tool_page(ToolMount{{0.040, {0.008, 0.008}}}, "50x50mm"), InputError,
+                       Refused(Cause::kInvalid, "--page is 50 x 50 mm"));
 }
 
 }  // namespace

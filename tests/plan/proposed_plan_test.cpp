@@ -7,10 +7,13 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/plan/experiment_plan.h"
 #include "planar_servo/work/record/recording_start.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 long rows_of(const ProposedPlan& plan, Purpose kind) {
   return std::count_if(plan.rows.begin(), plan.rows.end(),
@@ -58,8 +61,8 @@ TEST_CASE("More readings promise more, until they are not worth their time") {
 }
 
 TEST_CASE("Too few readings for a first plan are refused") {
-  CHECK_THROWS_WITH(propose_plan(read_cell(test::paper_cell_file()), {11}),
-                    Catch::Contains("11 tracker readings are too few"));
+  CHECK_THROWS_MATCHES(propose_plan(read_cell(test::paper_cell_file()), {11}), InputError,
+                       Refused(Cause::kInsufficient, "11 tracker readings"));
 }
 
 TEST_CASE("A plan without a tracker has turned poses and lays, and the arm can make all of it") {
@@ -84,18 +87,20 @@ TEST_CASE("Unattended poses follow the readings") {
 TEST_CASE("Without a tracker too few lays or poses are refused") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   for (const PlanRequest& request : {PlanRequest{0, 60, 1}, PlanRequest{0, 11, 5}})
-    CHECK_THROWS_WITH(propose_plan(cell, request), Catch::Contains("without a tracker reading") &&
-                                                       Catch::Contains("2 lays and 12 poses"));
+    CHECK_THROWS_MATCHES(propose_plan(cell, request), InputError,
+                         Refused(Cause::kInsufficient, "2 lays and 12 poses"));
 }
 
 TEST_CASE("A plan of nothing, and one whose poses the arm cannot reach, are refused") {
   CellSettings cell = read_cell(test::paper_cell_file());
   PairRow known;
   known.id = "p1";
-  CHECK_THROWS_WITH(propose_plan(cell, {0, 0}, {known}), Catch::Contains("can reach 0 of"));
+  CHECK_THROWS_MATCHES(propose_plan(cell, {0, 0}, {known}), InputError,
+                       Refused(Cause::kUnreachable, "1 are needed"));
   CHECK_NOTHROW(propose_plan(cell, {0, 3}, {known}));
   cell.workspace.keep_out = {{Eigen::Vector2d(0.0, 0.0), cell.workspace.radius_max_m}};
-  CHECK_THROWS_WITH(propose_plan(cell, {0, 60, 5}), Catch::Contains("unattended poses"));
+  CHECK_THROWS_MATCHES(propose_plan(cell, {0, 60, 5}), InputError,
+                       Refused(Cause::kUnreachable, "12 are needed"));
 }
 
 TEST_CASE("An experiment of N readings takes N, sweeps included") {

@@ -76,7 +76,7 @@ class Cells(unittest.TestCase):
 
         with ps.Cell(self.path) as cell:
             cell.move_to(self.target, on_step=meddle)
-        self.assertIn("at work", caught[0].fault)
+        self.assertEqual(caught[0].cause, "busy")
 
     def test_a_signal_stops_the_motion_while_it_lasts(self):
         def interrupt(*_):

@@ -79,7 +79,9 @@ class ConsoleTest(unittest.TestCase):
         before = self.console.state()["arm"]["joints_deg"][2]
         self.console.command("joint 3 1")
         self.assertAlmostEqual(self.console.state()["arm"]["joints_deg"][2] - before, 1.0, places=2)
-        self.assertIn("motor 3 would turn", self.refused(ps.InputError, self.console.command, "joint 3 1000").fault)
+        refusal = self.refused(ps.InputError, self.console.command, "joint 3 1000")
+        self.assertIn("motor 3", refusal.fault)
+        self.assertEqual(refusal.cause, "unreachable")
 
     def test_what_is_refused_is_named(self):
         refusal = self.refused(ps.InputError, self.console.set_targets, "id,x_mm,y_mm\nA,far,1\nB,1\n")

@@ -99,7 +99,7 @@ class Writing(unittest.TestCase):
     def test_faults_name_row_and_column(self):
         self.assertIn("x_mm is 'inf'", self.refused("table[1]", {"x_mm": [0, np.inf]}).fault)
         self.assertIn("y_mm is ''", self.refused("table[0]", {"y_mm": [np.nan, 0]}).fault)
-        self.assertIn("stands twice", self.refused("table[1]", {"id": ["a", "a"]}).fault)
+        self.assertEqual(self.refused("table[1]", {"id": ["a", "a"]}).cause, "exists")
         self.assertIn("grid, plane_grid", self.refused("table[0]", {"plan": ["train", "tarin"][::-1]}, "plan").remedy)
         self.assertEqual(self.refused("table['id'][1]", {"id": ["a", None]}).fault, "is None")
         self.refused("table['y_mm']", {"y_mm": [1]})

@@ -16,13 +16,14 @@
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "support/manual_clock.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
 
-using Catch::Contains;
+using test::Refused;
 
 constexpr int kSide_px = 800;
 
@@ -187,13 +188,14 @@ TEST_CASE("Who waits for the board can be stopped, and gives up without camera o
   camera.period_s = 2.0;
   const double begin_s = bench.clock.now_s();
   bench.request.stop = [&] { return bench.clock.now_s() > begin_s + 5.0; };
-  CHECK_THROWS_WITH(bench.guided(camera).take(bench.request.plan[0], 0), Contains("left at g1"));
+  CHECK_THROWS_MATCHES(bench.guided(camera).take(bench.request.plan[0], 0), WorkError,
+                       Refused(Cause::kStopped, "g1"));
   bench.request.stop = {};
-  CHECK_THROWS_WITH(bench.guided(camera).take(bench.request.plan[0], 0),
-                    Contains("g1: nobody showed the board for 600 s"));
+  CHECK_THROWS_MATCHES(bench.guided(camera).take(bench.request.plan[0], 0), WorkError,
+                       Refused(Cause::kInsufficient, "g1"));
   camera.fails = [](double) { return true; };
-  CHECK_THROWS_WITH(bench.guided(camera).take(bench.request.plan[0], 0),
-                    Contains("g1: the camera sent no whole frame for 60 s"));
+  CHECK_THROWS_MATCHES(bench.guided(camera).take(bench.request.plan[0], 0), WorkError,
+                       Refused(Cause::kDevice, "g1"));
 }
 
 TEST_CASE("A camera that fails for a while does not end the work") {

@@ -12,11 +12,14 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 /// A small dark camera, a tracker that reads zeros, and a board whose views are noted.
 class NotingDevices final : public CellDevices,
@@ -136,8 +139,8 @@ TEST_CASE("A camera that is not back within a minute ends the recording, which c
   request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   devices.camera_dies_s = devices.clock().now_s() + 0.5;  // the move takes seconds
-  CHECK_THROWS_WITH(record(request, devices), Catch::Contains("t0: the camera is dead") &&
-                                                  Catch::Contains("not back within 60 s"));
+  CHECK_THROWS_MATCHES(record(request, devices), WorkError,
+                       Refused(Cause::kDevice, "t0: the camera is dead"));
   CHECK(devices.clock().now_s() < *devices.camera_dies_s + 62.0);
   CHECK_FALSE(devices.moves());
   NotingDevices again;
@@ -258,9 +261,7 @@ TEST_CASE("Drives that do not arrive name the place, and the recording can be re
   request.plan.push_back({"t0", Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
   NotingDevices devices;
   devices.stall();
-  CHECK_THROWS_WITH(record(request, devices),
-                    Catch::StartsWith("t0: the drives have not arrived after ") &&
-                        Catch::EndsWith("start again to continue"));
+  CHECK_THROWS_MATCHES(record(request, devices), DriveError, Refused(Cause::kDevice, "t0: "));
   NotingDevices mended;
   CHECK(record(request, mended).recorded == 1);
 }
@@ -319,24 +320,24 @@ TEST_CASE("A recording is not resumed by another plan or another cell") {
   CHECK_NOTHROW(again([](RecordRequest& r) {
     r.plan.push_back({"t2", Purpose::kTest, TipPose{{0.1, 0.3}, 0.0}});
   }));
-  CHECK_THROWS_WITH(
-      again([](RecordRequest& r) {
-        r.plan[1].where = TipPose{{0.2, 0.31}, 0.0};
-      }),
-      Catch::Contains("'t1' went to") && Catch::Contains("this plan and cell send it to"));
-  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.plan[0].plan = Purpose::kTest; }),
-                    Catch::Contains("'t0' is of plan train, and of plan test in this one"));
-  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.cell.arm.geometry.link_lengths_m.x() += 1e-3; }),
-                    Catch::Contains("'t0' went to") && Catch::Contains("name another folder"));
-  CHECK_THROWS_WITH(
-      again([](RecordRequest& r) { r.cell.transmission.drives[0].gear_ratio *= 1.01; }),
-      Catch::Contains("where this cell's drives go to"));
-  CHECK_THROWS_WITH(again([](RecordRequest& r) { r.cell.camera.width_px = 128; }),
-                    Catch::Contains("begins with an image of 64 x 64 px"));
-  CHECK_THROWS_WITH(again([](RecordRequest& r) {
-                      r.cell.datum.push_back({"d9", {0.0, 0.0, 0.0}});
-                    }),
-                    Catch::Contains("no reading of the monument 'd9'"));
+  CHECK_THROWS_MATCHES(again([](RecordRequest& r) {
+                         r.plan[1].where = TipPose{{0.2, 0.31}, 0.0};
+                       }),
+                       InputError, Refused(Cause::kForeign, "frames.csv: 't1'"));
+  CHECK_THROWS_MATCHES(again([](RecordRequest& r) { r.plan[0].plan = Purpose::kTest; }), InputError,
+                       Refused(Cause::kForeign, "plan test"));
+  CHECK_THROWS_MATCHES(
+      again([](RecordRequest& r) { r.cell.arm.geometry.link_lengths_m.x() += 1e-3; }), InputError,
+      Refused(Cause::kForeign, "frames.csv: 't0'"));
+  CHECK_THROWS_MATCHES(
+      again([](RecordRequest& r) { r.cell.transmission.drives[0].gear_ratio *= 1.01; }), InputError,
+      Refused(Cause::kForeign, "drives"));
+  CHECK_THROWS_MATCHES(again([](RecordRequest& r) { r.cell.camera.width_px = 128; }), InputError,
+                       Refused(Cause::kForeign, "64 x 64 px"));
+  CHECK_THROWS_MATCHES(again([](RecordRequest& r) {
+                         r.cell.datum.push_back({"d9", {0.0, 0.0, 0.0}});
+                       }),
+                       InputError, Refused(Cause::kForeign, "'d9'"));
 }
 
 RecordRequest two_places(const test::TemporaryFolder& folder) {
@@ -367,8 +368,8 @@ TEST_CASE("A place without a good reading is taken again, and the third failure 
   const test::TemporaryFolder other;
   NotingDevices blind;
   blind.answers.assign(3, TrackerAnswer::failed("the beam is broken"));
-  CHECK_THROWS_WITH(record(two_places(other), blind),
-                    Catch::Contains("'t0': the beam is broken") && Catch::Contains("start again"));
+  CHECK_THROWS_MATCHES(record(two_places(other), blind), WorkError,
+                       Refused(Cause::kDevice, "'t0': the beam is broken"));
   CHECK_FALSE(blind.moves());
 }
 
@@ -386,7 +387,7 @@ TEST_CASE("A place is left out on request, and the next run takes it") {
   request.on_bad_reading = BadReading::kStop;
   request.plan.push_back({"t2", Purpose::kTrain, TipPose{{0.1, 0.3}, 0.0}});
   again.answers = {TrackerAnswer::failed("the beam is broken")};
-  CHECK_THROWS_WITH(record(request, again), Catch::Contains("no reading of the place 't2'"));
+  CHECK_THROWS_MATCHES(record(request, again), WorkError, Refused(Cause::kDevice, "'t2'"));
 }
 
 TEST_CASE("A reading that stays while the tool moves is a repeated one and named") {
@@ -394,9 +395,8 @@ TEST_CASE("A reading that stays while the tool moves is a repeated one and named
   const RecordRequest request = two_places(folder);
   NotingDevices devices;
   devices.answers.assign(4, TrackerAnswer::of({0.0, {2.5, 0.0, 0.0}}));
-  CHECK_THROWS_WITH(record(request, devices),
-                    Catch::Contains("'t1': the reading repeats that of 't0'") &&
-                        Catch::Contains("while the tool moved 400.0 mm"));
+  CHECK_THROWS_MATCHES(record(request, devices), WorkError,
+                       Refused(Cause::kDevice, "'t1': the reading repeats that of 't0'"));
 }
 
 TEST_CASE("Somebody who measures by hand may skip a place, repeat it, or keep the reading") {
@@ -415,9 +415,7 @@ TEST_CASE("Without a tracker what asks for a reading is refused, and the rest is
   for (const TrackerKind* kind : device_kinds().trackers)
     if (!kind->measures()) request.cell.tracker.kind = kind;
   NotingDevices devices;
-  CHECK_THROWS_WITH(record(request, devices),
-                    Catch::Contains("2 rows of the plan ask for a tracker reading, 't0'") &&
-                        Catch::Contains("the plan pose"));
+  CHECK_THROWS_MATCHES(record(request, devices), InputError, Refused(Cause::kMissing, "'t0'"));
   CHECK_FALSE(std::filesystem::exists(request.recording));
   request.plan = {{"g0", Purpose::kHeldBoard, std::monostate()},
                   {"u0", Purpose::kPose, TipPose{{-0.2, 0.3}, 0.0}}};

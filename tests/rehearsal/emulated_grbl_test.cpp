@@ -9,6 +9,7 @@
 #include "planar_servo/machine/rehearsal/firmware_board.h"
 #include "support/eventually.h"
 #include "support/faulty_grbl.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -16,6 +17,7 @@ namespace {
 
 using Shafts = EmulatedGrbl::Pulses;
 using test::eventually;
+using test::Refused;
 
 /// A board with settings beyond Grbl's own, and a program that speaks with it byte by byte.
 struct SpokenBoard {
@@ -149,14 +151,15 @@ TEST_CASE("A serial port keeps its name when it is plugged in again, and takes n
   port.plug_in();
   CHECK(std::filesystem::is_symlink(folder / "port"));
   std::ofstream(folder / "file") << "kept";
-  CHECK_THROWS_AS(PtyPort(folder / "file"), InputError);
+  CHECK_THROWS_MATCHES(PtyPort(folder / "file"), InputError, Refused(Cause::kSystem, "/file"));
 }
 
 TEST_CASE("What is no firmware is refused as a board") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_AS(FirmwareBoard(folder / "absent", {}, {}, folder / "port"), InputError);
-  CHECK_THROWS_WITH(FirmwareBoard("/bin/true", {}, {}, folder / "port"),
-                    Catch::Contains("has ended"));
+  CHECK_THROWS_MATCHES(FirmwareBoard(folder / "absent", {}, {}, folder / "port"), InputError,
+                       Refused(Cause::kMissing, "/absent"));
+  CHECK_THROWS_MATCHES(FirmwareBoard("/bin/true", {}, {}, folder / "port"), WorkError,
+                       Refused(Cause::kDevice, "status 0"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "support/eventually.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 #include "virtual_cell/sample_cell.h"
 
@@ -103,8 +104,8 @@ TEST_CASE("A served tracker goes on in its own file, and touches no other") {
     const ServedTracker tracker(folder / "tracker.txt", {}, 1, live);
     CHECK(test::eventually([&] { return lines() >= least; }));
   }
-  CHECK_THROWS_WITH(ServedTracker(folder / "tracker.txt", {0.0, 0.0, true}, 1, live),
-                    Catch::Contains("holds something else already"));
+  CHECK_THROWS_MATCHES(ServedTracker(folder / "tracker.txt", {0.0, 0.0, true}, 1, live), InputError,
+                       test::Refused(Cause::kForeign, "tracker.txt"));
 }
 
 }  // namespace

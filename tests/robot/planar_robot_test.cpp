@@ -11,6 +11,7 @@
 #include "planar_servo/hardware/links/linked_drives.h"
 #include "planar_servo/hardware/robot/homing.h"
 #include "support/finite_differences.h"
+#include "support/refused.h"
 #include "support/robot_bench.h"
 
 namespace planar {
@@ -19,6 +20,7 @@ namespace {
 using test::Bench;
 using test::column;
 using test::ReadyBench;
+using test::Refused;
 using test::transmission_settings;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -69,8 +71,8 @@ TEST_CASE("The drives get their speeds and accelerations in pulses") {
 
 TEST_CASE("Nothing moves when one motor would leave its limits") {
   ReadyBench bench;
-  CHECK_THROWS_WITH(bench.robot.move_to({0.0, 2.9, 2.9}),
-                    Catch::Contains("motor 2 would turn to 166.158 deg"));
+  CHECK_THROWS_MATCHES(bench.robot.move_to({0.0, 2.9, 2.9}), WorkError,
+                       Refused(Cause::kUnreachable, "motor 2"));
   CHECK(bench.nothing_was_sent());
 }
 
@@ -82,15 +84,18 @@ TEST_CASE("Nothing moves when an angle is not finite") {
 
 TEST_CASE("Nothing moves while a drive is off, faulty or lost") {
   Bench off;
-  CHECK_THROWS_WITH(off.robot.move_to(kSomewhere), "drive 1 is switched off");
+  CHECK_THROWS_MATCHES(off.robot.move_to(kSomewhere), DriveError,
+                       Refused(Cause::kDevice, "drive 1"));
   CHECK(off.nothing_was_sent());
   ReadyBench faulty;
   faulty.drives[2].fault = "low supply voltage";
-  CHECK_THROWS_WITH(faulty.robot.move_to(kSomewhere), "drive 3 reports: low supply voltage");
+  CHECK_THROWS_MATCHES(faulty.robot.move_to(kSomewhere), DriveError,
+                       Refused(Cause::kDevice, "drive 3"));
   CHECK(faulty.nothing_was_sent());
   ReadyBench lost;
   lost.drives[1].knows_position = false;
-  CHECK_THROWS_WITH(lost.robot.move_to(kSomewhere), "drive 2 has lost its position; home it first");
+  CHECK_THROWS_MATCHES(lost.robot.move_to(kSomewhere), DriveError,
+                       Refused(Cause::kDevice, "drive 2"));
   CHECK(lost.nothing_was_sent());
 }
 
@@ -102,7 +107,8 @@ TEST_CASE("What a drive counts from nowhere is no joint angle, until it is taugh
   bench.robot.read_drives();
   CHECK_FALSE(bench.robot.known_joints());
   CHECK_FALSE(bench.robot.known_pulses());
-  CHECK_THROWS_WITH(bench.robot.commanded_joints(), "drive 2 has lost its position; home it first");
+  CHECK_THROWS_MATCHES(bench.robot.commanded_joints(), DriveError,
+                       Refused(Cause::kDevice, "drive 2"));
   CHECK_THROWS_AS(bench.robot.present_joints(), DriveError);
   bench.robot.teach_home(1);
   CHECK(bench.robot.known_pulses() == bench.robot.commanded_pulses());
@@ -115,7 +121,8 @@ TEST_CASE("A drive that fails on its way halts all and is named") {
   for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
   ReadyBench again;
   again.drives[1].fault_on_the_way = "driver error";
-  CHECK_THROWS_WITH(again.robot.move_to(kSomewhere), "drive 2 failed on its way: driver error");
+  CHECK_THROWS_MATCHES(again.robot.move_to(kSomewhere), DriveError,
+                       Refused(Cause::kDevice, "drive 2"));
 }
 
 TEST_CASE("A drive that loses its position on its way halts all and is named") {
@@ -124,8 +131,8 @@ TEST_CASE("A drive that loses its position on its way halts all and is named") {
     if (bench.clock.now_s() > 0.1) bench.drives[2].knows_position = false;
     return std::nullopt;
   };
-  CHECK_THROWS_WITH(bench.robot.move_to(kSomewhere, lose),
-                    "drive 3 has lost its position; home it first");
+  CHECK_THROWS_MATCHES(bench.robot.move_to(kSomewhere, lose), DriveError,
+                       Refused(Cause::kDevice, "drive 3"));
   for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
   CHECK_FALSE(bench.robot.known_pulses());
 }
@@ -162,7 +169,8 @@ TEST_CASE("An arm whose guard objects from the start does not move") {
 TEST_CASE("A drive that refuses its target halts those already started") {
   ReadyBench bench;
   bench.drives[2].refuses_targets = true;
-  CHECK_THROWS_WITH(bench.robot.move_to(kSomewhere), "the mock drive refuses its target");
+  CHECK_THROWS_MATCHES(bench.robot.move_to(kSomewhere), WorkError,
+                       Refused(Cause::kDevice, "mock drive"));
   CHECK(bench.drives[0].halts == 1);
   CHECK_FALSE(bench.drives[0].status().moving);
   CHECK(bench.robot.commanded_pulses()[0] == bench.drives[0].status().position_pulses);
@@ -171,7 +179,8 @@ TEST_CASE("A drive that refuses its target halts those already started") {
 TEST_CASE("A drive that never arrives times out and halts all") {
   ReadyBench bench;
   bench.drives[0].stalls = true;
-  CHECK_THROWS_WITH(bench.robot.move_to(kSomewhere), Catch::Contains("have not arrived after"));
+  CHECK_THROWS_MATCHES(bench.robot.move_to(kSomewhere), DriveError,
+                       Refused(Cause::kDevice, "arrived"));
   CHECK(bench.drives[2].halts == 1);
   CHECK(bench.clock.now_s() < 10.0);  // the move itself takes 1.4 s
 }
@@ -179,7 +188,7 @@ TEST_CASE("A drive that never arrives times out and halts all") {
 TEST_CASE("Energizing names the drive that reports a fault") {
   Bench bench;
   bench.drives[1].fault = "kill switch";
-  CHECK_THROWS_WITH(bench.robot.energize(), "drive 2 reports: kill switch");
+  CHECK_THROWS_MATCHES(bench.robot.energize(), DriveError, Refused(Cause::kDevice, "drive 2"));
 }
 
 TEST_CASE("A motor counts from its home switch once it has found it") {
@@ -201,7 +210,8 @@ TEST_CASE("A motor without a home switch counts from the mark that it is taught"
   settings.drives[0].home_rad = 0.5;
   ReadyBench bench(settings);
   bench.drives[0].knows_position = false;
-  CHECK_THROWS_WITH(bench.robot.search_home(0), Catch::Contains("its mark at 28.648 deg"));
+  CHECK_THROWS_MATCHES(bench.robot.search_home(0), DriveError,
+                       Refused(Cause::kMissing, "28.648 deg"));
   CHECK(bench.nothing_was_sent());
   bench.robot.teach_home(0);
   CHECK(bench.robot.unhomed().empty());
@@ -213,9 +223,10 @@ TEST_CASE("Drives that lost their position are homed only when somebody allows i
   settings.drives[1].home = HomeReference::kForwardSwitch;
   ReadyBench bench(settings);
   bench.drives[1].knows_position = false;
-  CHECK_THROWS_WITH(home_where_needed(bench.robot, {}, "; go on"),
-                    Catch::Contains("position: 2; start with --home, which searches their home "
-                                    "switches and moves the arm; go on"));
+  CHECK_THROWS_MATCHES(home_where_needed(bench.robot, {}, "; go on"), DriveError,
+                       Refused(Cause::kDevice, ": 2; start with --home"));
+  CHECK_THROWS_MATCHES(home_where_needed(bench.robot, {}, "; go on"), DriveError,
+                       Refused(Cause::kDevice, "; go on"));
   std::string asked;
   const auto answer = [&](bool allowed) {
     return [&asked, allowed](Homing way, const std::string& unhomed) {
@@ -247,9 +258,9 @@ TEST_CASE("A drive without a home switch counts from its mark once somebody says
       return way == Homing::kSearch || at_mark;
     };
   };
-  CHECK_THROWS_WITH(home_where_needed(bench.robot, answer(false)),
-                    Catch::Contains("no home switch: 1 (mark at 28.648 deg); turn them to their "
-                                    "marks, then start with --at-marks"));
+  CHECK_THROWS_MATCHES(home_where_needed(bench.robot, answer(false)), DriveError,
+                       Refused(Cause::kDevice, "--at-marks"));
+  CHECK_THAT(asked.at(0), Catch::Contains("1 (mark at 28.648 deg)"));
   CHECK(bench.nothing_was_sent());
   home_where_needed(bench.robot, answer(true));
   CHECK(asked.size() == 3);
@@ -316,7 +327,7 @@ TEST_CASE("A machine's search that is stopped or given up leaves the motor unhom
 TEST_CASE("Recovery waits until the fault is gone, and gives up after its patience") {
   ReadyBench bench;
   bench.drives[2].fault = "low supply voltage";
-  CHECK_THROWS_WITH(bench.robot.recover(3.0), "drive 3 reports: low supply voltage");
+  CHECK_THROWS_MATCHES(bench.robot.recover(3.0), DriveError, Refused(Cause::kDevice, "drive 3"));
   CHECK(bench.clock.now_s() <= 3.0);
   bench.drives[2].fault.clear();
   bench.robot.recover(3.0);
@@ -328,9 +339,8 @@ TEST_CASE("A stop by hand lasts until a person switches the arm on, even if it i
   bench.drives[0].fault_on_the_way = "its link is down";
   bench.drives[2].fault_on_the_way = "kill switch";
   bench.drives[2].by_hand = true;
-  CHECK_THROWS_WITH(
-      bench.robot.move_to(kSomewhere),
-      Catch::Contains("its link is down") && Catch::Contains("drive 3 reports: kill switch"));
+  CHECK_THROWS_MATCHES(bench.robot.move_to(kSomewhere), StoppedByHand,
+                       Refused(Cause::kStopped, "its link is down; drive 3"));
   for (auto& drive : bench.drives) drive.fault_on_the_way.clear();
   CHECK_THROWS_AS(bench.robot.energize(), StoppedByHand);
   CHECK_THROWS_AS(bench.robot.recover(3.0), StoppedByHand);

@@ -11,12 +11,14 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/devices/forwarding_drives.h"
 #include "planar_servo/hardware/robot/visp_robot.h"
+#include "support/refused.h"
 #include "support/robot_bench.h"
 
 namespace planar {
 namespace {
 
 using test::column;
+using test::Refused;
 
 constexpr double kCall_s = 0.02;
 /// One call's step in joints is straight: over a way w from call to call the end point falls short
@@ -115,8 +117,8 @@ TEST_CASE("Joints turn at the velocities asked for") {
   CHECK(turned[0] == Approx(0.1).margin(50.0 * test::kPulse_rad));
   CHECK(turned[1] == Approx(-0.2).margin(50.0 * test::kPulse_rad));
   CHECK(turned[2] == Approx(0.3).margin(50.0 * test::kPulse_rad));
-  CHECK_THROWS_WITH(bench.robot.move_to({0.3, 1.5, -0.4}),
-                    Catch::Contains("under velocity control"));
+  CHECK_THROWS_MATCHES(bench.robot.move_to({0.3, 1.5, -0.4}), WorkError,
+                       Refused(Cause::kInvalid, "velocity control"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(bench.robot.turn([&](const Joints&) { return Joints(0.1, nan, 0.0); }),
                     Catch::Contains("must be finite"));
@@ -243,7 +245,7 @@ TEST_CASE(
     for (int call = 0; call < 1000; ++call)
       bench.command(vpRobot::JOINT_STATE, column({0.3, 0.3, 0.3}));
   };
-  CHECK_THROWS_WITH(turn_on(), Catch::Contains("motor 1 would turn to 17"));
+  CHECK_THROWS_MATCHES(turn_on(), WorkError, Refused(Cause::kUnreachable, "motor 1"));
   bench.clock.sleep_for_s(1.0);
   CHECK(bench.rests());
   CHECK(bench.motors_rad()[0] < 3.0);
@@ -278,9 +280,8 @@ TEST_CASE("Drives that brake to rest before each move are turned at no velocity"
   test::ReadyBench bench;
   DrivesFromRestToRest drives(bench.group);
   PlanarRobot robot(bench.robot.arm(), bench.robot.transmission(), drives, bench.clock);
-  CHECK_THROWS_WITH(robot.turn([](const Joints&) { return Joints(0.1, 0.0, 0.0); }),
-                    "the drives cannot be turned at velocities: they brake to rest first; move to "
-                    "positions instead");
+  CHECK_THROWS_MATCHES(robot.turn([](const Joints&) { return Joints(0.1, 0.0, 0.0); }), WorkError,
+                       Refused(Cause::kDevice, "they brake to rest first"));
   CHECK(bench.nothing_was_sent());
   CHECK_NOTHROW(robot.move_to({0.1, 0.1, 0.1}));
 }
@@ -300,8 +301,8 @@ TEST_CASE("A drive that fails while the arm turns halts all and is named") {
   TurningBench bench;
   bench.command(vpRobot::JOINT_STATE, column({0.2, 0.1, 0.3}));
   bench.drives[1].fault = "driver error";
-  CHECK_THROWS_WITH(bench.visp.setVelocity(vpRobot::JOINT_STATE, column({0.2, 0.1, 0.3})),
-                    "drive 2 reports: driver error");
+  CHECK_THROWS_MATCHES(bench.visp.setVelocity(vpRobot::JOINT_STATE, column({0.2, 0.1, 0.3})),
+                       DriveError, Refused(Cause::kDevice, "drive 2"));
   for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
 }
 

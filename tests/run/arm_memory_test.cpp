@@ -8,13 +8,12 @@
 #include "planar_servo/base/io/checksum.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
-
-using Catch::Contains;
 
 /// A cell whose arm was found, whose planner knows it, and whose looks teach something.
 struct RememberingCell {
@@ -100,7 +99,7 @@ TEST_CASE("What was learned with another arm or another map is left aside") {
     run.folder.write(changed, "format: planar-servo/arm/1\na: 2\n");
     const auto why = learned_elsewhere(*run.cell.arm_learned, learned_arm_origins(run.cell));
     REQUIRE(why);
-    CHECK_THAT(*why, Contains("was learned with " + std::string(changed)));
+    CHECK_THAT(*why, Catch::Contains("was learned with " + std::string(changed)));
     CHECK(run.landings().learned_arm()->x.head<2>() == Eigen::Vector2d(0.3, 0.3));
   }
 }
@@ -114,7 +113,7 @@ TEST_CASE("A damaged file of what was learned is refused by its place") {
                             with_checksum(std::regex_replace(text, std::regex(wrong), by)));
   };
   with("covariance", "covarianze");
-  CHECK_THROWS_WITH(run.landings(), Contains("unknown key 'covarianze'"));
+  CHECK_THROWS_MATCHES(run.landings(), InputError, test::Refused(Cause::kInvalid, "'covarianze'"));
   with("eccentricity_deg:\n.*\n", "eccentricity_deg: []\n");
   CHECK_THROWS_AS(run.landings(), InputError);
 }

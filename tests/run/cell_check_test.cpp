@@ -151,7 +151,8 @@ TEST_CASE("A place that was barred since the calibration is left out of the chec
   sound.record.places = {sound.record.places[1]};
   const auto found = sound.check().revisit(sound.record);
   REQUIRE(found.size() == 1);
-  CHECK(found[0].cause == Cause::kNotVisited);
+  CHECK(found[0].what == HealthCause::kNotVisited);
+  CHECK(found[0].cause == Cause::kUnreachable);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/work/run/dry_run.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
@@ -35,8 +36,9 @@ TEST_CASE(
   cell.health = folder.write("health.yaml", "kind: [health\n");
   const CalibratedCell read = read_calibrated_cell(cell);
   CHECK(read.vision);
-  CHECK_THROWS_WITH(require_calibrated(read), Catch::Contains("health.yaml:2:1: is not YAML"));
-  CHECK_THROWS_WITH(foresee_check(read), Catch::Contains("health.yaml:2:1: is not YAML"));
+  const test::Refused broken(Cause::kInvalid, "health.yaml:2:1");
+  CHECK_THROWS_MATCHES(require_calibrated(read), InputError, broken);
+  CHECK_THROWS_MATCHES(foresee_check(read), InputError, broken);
 }
 
 TEST_CASE("A map whose fit speaks against it is refused until a person accepts it") {

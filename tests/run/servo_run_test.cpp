@@ -16,12 +16,15 @@
 #include "run/hiccup_cell.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 #include "support/unhomed_cell.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 /// A drive that fails on its first move and, once the camera was asked, on every further one.
 class FlakyDrive final : public PulseDrive {
@@ -97,7 +100,7 @@ class FlakyCell final : public CellDevices {
   Clock& clock() override { return clock_; }
   FrameSource& camera() override { return lost; }
   DriveGroup& drives() override { return drives_; }
-  Tracker& tracker() override { throw WorkError("no tracker"); }
+  Tracker& tracker() override { throw WorkError("no tracker", Cause::kMissing); }
   BoardPresenter* board_presenter() override { return nullptr; }
   std::shared_ptr<Judge> truth() override { return nullptr; }
 
@@ -177,10 +180,10 @@ TEST_CASE("Whatever a board counts, its drives home before anything is planned, 
       for (const test::MockPulseDrive& drive : devices.motors) CHECK(drive.targets.empty());
       return allowed;
     };
-    const std::string ended = !allowed                       ? "start with --home"
-                              : request.policy.checks_health ? "the camera gave no picture"
-                                                             : "not back within 60 s";
-    CHECK_THROWS_WITH(run_to_a(request, devices), Catch::Contains(ended));
+    const std::string ended = !allowed                       ? "--home"
+                              : request.policy.checks_health ? "no picture"
+                                                             : "60 s";
+    CHECK_THROWS_MATCHES(run_to_a(request, devices), WorkError, Refused(Cause::kDevice, ended));
     for (const test::MockPulseDrive& drive : devices.motors) {
       CHECK(drive.targets.empty() != allowed);
       if (allowed) CHECK(drive.targets.front() == -test::MockPulseDrive::kSwitch_pulses);
@@ -236,8 +239,8 @@ TEST_CASE("A camera that is not back within a minute ends the run without a resu
   request.accepted.doubts = true;
   ServoRun run(request, devices);
   const double start_s = devices.clock().now_s();
-  CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
-                    Catch::Contains("not back within 60 s") && Catch::Contains("start again"));
+  CHECK_THROWS_MATCHES(run.move_to({"a", {0.3, 0.2}, std::nullopt}), WorkError,
+                       Refused(Cause::kDevice, "60 s"));
   CHECK(devices.clock().now_s() - start_s >= 60.0);
   CHECK_FALSE(run.has("a"));
 }
@@ -309,8 +312,8 @@ TEST_CASE("A camera that comes and goes is waited for twenty times at a target")
   ServoRequest request = ideal_request(folder);
   request.policy.checks_health = false;
   ServoRun run(request, devices);
-  CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
-                    Catch::Contains("the camera has failed 21 times at this target"));
+  CHECK_THROWS_MATCHES(run.move_to({"a", {0.3, 0.2}, std::nullopt}), WorkError,
+                       Refused(Cause::kDevice, "21 times"));
   CHECK_FALSE(run.has("a"));
 }
 
@@ -318,8 +321,8 @@ TEST_CASE("While the cell is looked at, drive and camera are waited for, but not
   const test::TemporaryFolder folder;
   FlakyCell devices;
   ServoRun run(ideal_request(folder), devices);
-  CHECK_THROWS_WITH(run.move_to({"a", {0.3, 0.2}, std::nullopt}),
-                    Catch::Contains("the camera gave no picture"));
+  CHECK_THROWS_MATCHES(run.move_to({"a", {0.3, 0.2}, std::nullopt}), WorkError,
+                       Refused(Cause::kDevice, "no picture"));
   CHECK(devices.flaky.failures == 1);
   CHECK(devices.lost.asked > 2);
   CHECK_FALSE(run.has("a"));
@@ -374,10 +377,8 @@ TEST_CASE("A run is resumed with the settings of its servo, and with no others")
     begun.request.policy.center = CenterMethod::kFast;
   }
   begun.request.cell = without_map(changed);
-  CHECK_THROWS_AS(results_so_far(begun.request), InputError);
-  CHECK_THROWS_WITH(results_so_far(begun.request),
-                    Catch::Contains("was begun with the servo settings law: ") &&
-                        Catch::Contains("use the same settings, or name another folder"));
+  CHECK_THROWS_MATCHES(results_so_far(begun.request), InputError,
+                       Refused(Cause::kForeign, "servo settings"));
 }
 
 TEST_CASE("A result is that of a target with its place and its direction, whole turns aside") {
@@ -386,23 +387,22 @@ TEST_CASE("A result is that of a target with its place and its direction, whole 
   CHECK_NOTHROW(require_same_goal("a", {{0.3, 0.2}, 0.5}, results));
   CHECK_NOTHROW(require_same_goal("a", {{0.3, 0.2}, 0.5 - 2.0 * kPi}, results));
   CHECK_NOTHROW(require_same_goal("b", {{0.3, 0.2}, 0.6}, results));
-  CHECK_THROWS_WITH(
-      require_same_goal("a", {{0.3, 0.2}, 0.501}, results),
-      Catch::Contains("target 'a' has the direction 28.705186 degrees now; the run to "
-                      "resume has a result of it at 28.647890 degrees"));
-  CHECK_THROWS_WITH(require_same_goal("a", {{0.3, 0.21}, 0.5}, results),
-                    Catch::Contains("target 'a' is at"));
+  CHECK_THROWS_MATCHES(require_same_goal("a", {{0.3, 0.2}, 0.501}, results), InputError,
+                       Refused(Cause::kForeign, "28.705186 degrees"));
+  CHECK_THROWS_MATCHES(require_same_goal("a", {{0.3, 0.21}, 0.5}, results), InputError,
+                       Refused(Cause::kForeign, "(300.000, 210.000) mm"));
 }
 
 TEST_CASE("A run that was killed before its first result is resumed, one never begun is not") {
   const test::TemporaryFolder folder;
   ServoRequest request = ideal_request(folder);
   request.folder.resume = true;
-  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to resume"));
+  const Refused none(Cause::kMissing, "--resume");
+  CHECK_THROWS_MATCHES(folder_for(request), InputError, none);
   std::filesystem::create_directories(request.folder.path);
   CHECK_NOTHROW(folder_for(request));
   folder.write("run/letter.txt", "dear");
-  CHECK_THROWS_WITH(folder_for(request), Catch::Contains("holds no run to resume"));
+  CHECK_THROWS_MATCHES(folder_for(request), InputError, none);
   folder.write("run/steps.csv", steps_header());
   CHECK_NOTHROW(folder_for(request));
   CHECK(results_so_far(request).empty());
@@ -416,7 +416,7 @@ TEST_CASE("A run whose report would replace what is not ours is refused before i
   std::filesystem::create_directories(request.folder.path);
   const std::string name = GENERATE(as<std::string>(), "run.yaml", "report.html");
   folder.write("run/" + name, "mine\n");
-  CHECK_THROWS_WITH(folder_for(request), Catch::Contains(name) && Catch::Contains("would replace"));
+  CHECK_THROWS_MATCHES(folder_for(request), InputError, Refused(Cause::kExists, name));
 }
 
 }  // namespace

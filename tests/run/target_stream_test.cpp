@@ -111,7 +111,7 @@ TEST_CASE("What fails on the way to a target is told before it ends the session"
   std::ostringstream out;
   TargetLines lines("standard input");
   const auto fail = [](const TargetRow&) -> nlohmann::ordered_json {
-    throw WorkError("drive 2 reports: low voltage");
+    throw WorkError("drive 2 reports: low voltage", Cause::kDevice);
   };
   CHECK_THROWS_AS(answer_targets(in, out, lines, fail), WorkError);
   CHECK(out.str() == "{\"line\":1,\"target\":\"a\",\"error\":\"drive 2 reports: low voltage\"}\n");

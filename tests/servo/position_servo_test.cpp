@@ -10,6 +10,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/loop/servo/position_servo.h"
 #include "servo/servo_bench.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
@@ -254,7 +255,8 @@ TEST_CASE("Arriving outside the map's valid region is said") {
 TEST_CASE("A drive's failure is not a result of the loop") {
   Bench bench;
   bench.cell.drive(1).fault = "kill switch";
-  CHECK_THROWS_WITH(bench.move_to(kTarget), Catch::Contains("drive 2 reports: kill switch"));
+  CHECK_THROWS_MATCHES(bench.move_to(kTarget), DriveError,
+                       test::Refused(Cause::kDevice, "drive 2"));
 }
 
 TEST_CASE("From one side every motor arrives in its positive sense") {

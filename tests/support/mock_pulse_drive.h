@@ -35,7 +35,7 @@ class MockPulseDrive final : public PulseDrive {
     max_acceleration_pulses_s2 = limits.acceleration_pulses_s2;
   }
   void set_target(std::int32_t target_pulses) override {
-    if (refuses_targets) throw WorkError("the mock drive refuses its target");
+    if (refuses_targets) throw WorkError("the mock drive refuses its target", Cause::kDevice);
     start_ = position();
     started_s_ = clock_.now_s();
     target_ = target_pulses;

@@ -11,12 +11,14 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/terminal.h"
+#include "support/refused.h"
 #include "support/tracker_player.h"
 
 namespace planar {
 namespace {
 
 using Catch::Contains;
+using test::Refused;
 
 CellSettings tracked_cell() {
   CellSettings cell;
@@ -116,7 +118,7 @@ TEST_CASE("After named monuments the work goes on once the reflector rests on th
       },
       bench.writer());
   REQUIRE(bench.tracker.measure_monument("M1").status == TrackerStatus::kOk);
-  CHECK_THROWS_WITH(bench.tracker.await_tool(), Contains("was not placed back on the tool"));
+  CHECK_THROWS_MATCHES(bench.tracker.await_tool(), WorkError, Refused(Cause::kDevice));
   carried = true;
   bench.tracker.await_tool();
   CHECK(lines > 100);
@@ -125,9 +127,10 @@ TEST_CASE("After named monuments the work goes on once the reflector rests on th
 TEST_CASE("A wait for the tracker ends when it is stopped") {
   StreamBench bench(true);
   bench.tracker.stop_when([] { return true; });
-  CHECK_THROWS_WITH(bench.tracker.measure_monument("M1"), Contains("stopped while the tracker"));
-  CHECK_THROWS_WITH(bench.tracker.measure_tool("t"), Contains("stopped while the tracker"));
-  CHECK_THROWS_WITH(bench.tracker.await_tool(), Contains("stopped while the tracker"));
+  const Refused stopped(Cause::kStopped);
+  CHECK_THROWS_MATCHES(bench.tracker.measure_monument("M1"), WorkError, stopped);
+  CHECK_THROWS_MATCHES(bench.tracker.measure_tool("t"), WorkError, stopped);
+  CHECK_THROWS_MATCHES(bench.tracker.await_tool(), WorkError, stopped);
 }
 
 TEST_CASE("Without names somebody says when the reflector is on a monument") {

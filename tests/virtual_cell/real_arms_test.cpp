@@ -3,11 +3,14 @@
 
 #include "planar_servo/virtual_cell/truth/arm_truth.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 #include "virtual_cell/sample_cell.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 const char* const kRealKeys[] = {
     "ripple:",       "microsteps:", "hysteresis:",          "runout:",
@@ -105,9 +108,10 @@ TEST_CASE("A truth whose real arm cannot be is refused") {
   truth.arm.warming->link_time_s = truth.arm.warming->motor_time_s;
   truth.arm.reducers[1].microsteps[0].amplitude = kFullStep;
   write_truth(folder / "truth.yaml", truth);
-  CHECK_THROWS_WITH(read_truth(folder / "truth.yaml"),
-                    Catch::Contains("two different time constants") &&
-                        Catch::Contains("must not turn the motor back"));
+  CHECK_THROWS_MATCHES(read_truth(folder / "truth.yaml"), InputError,
+                       Refused(Cause::kInvalid, "arm.warming"));
+  CHECK_THROWS_MATCHES(read_truth(folder / "truth.yaml"), InputError,
+                       Refused(Cause::kInvalid, "arm.microsteps"));
 }
 
 }  // namespace planar

@@ -6,9 +6,12 @@
 #include <stdexcept>
 
 #include "planar_servo/base/core/error.h"
+#include "support/refused.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 constexpr double kScale = 1e5;  // pulses per radian
 constexpr double kRoundOff = 1e-12;
@@ -59,7 +62,7 @@ TEST_CASE("VirtualDrive keeps to lower limits but not to limits beyond its ratin
 TEST_CASE("VirtualDrive refuses targets while de-energized") {
   VirtualClock clock;
   VirtualDrive drive(clock, kSettings, {});
-  CHECK_THROWS_WITH(drive.set_target(1), Catch::Contains("not energized"));
+  CHECK_THROWS_MATCHES(drive.set_target(1), WorkError, Refused(Cause::kDevice));
   CHECK_THROWS_AS(drive.set_target(1), WorkError);
   drive.energize();
   CHECK_NOTHROW(drive.set_target(1));

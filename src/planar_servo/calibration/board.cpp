@@ -187,7 +187,8 @@ Board parse_board(const std::string& text, BoardUse use) {
   board.pitch_known = match[4] != "?";
   if (!board.pitch_known && use == BoardUse::kLengths)
     throw InputError({"grid '" + text + "' has no pitch, but lengths depend on it here",
-                      "measure the pitch and state it, such as circles:11x11:50mm"});
+                      "measure the pitch and state it, such as circles:11x11:50mm", "",
+                      Cause::kMissing});
   board.pitch = (board.pitch_known ? std::stod(match[5]) : 1.0) * kMillimetre;
   if (board.columns < 3 || board.rows < 3 || board.pitch <= 0.0)
     throw InputError(

@@ -39,7 +39,8 @@ bool is_fitted_by_visp(const CalibrationModel& model) {
 
 [[noreturn]] void refuse(const CalibrationModel& model) {
   throw WorkError({"the views do not determine a camera of the model " + model.name,
-                   "take more of them, tilted in different directions, or use a simpler model"});
+                   "take more of them, tilted in different directions, or use a simpler model", "",
+                   Cause::kInsufficient});
 }
 
 /// Returns how uncertain fx, fy, cx, cy and the distortion coefficients that are estimated are,
@@ -77,8 +78,8 @@ void check(const CalibrationProblem& problem, const CalibrationModels& models) {
     if (view.points_G.size() != view.pixels.size() || (dots != 0 && dots != view.pixels.size())) {
       faults.add({"the numbers of points, pixels and dots differ", "", view.name});
     } else if (view.pixels.size() < 6) {
-      faults.add(
-          {std::to_string(view.pixels.size()) + " points", "at least 6 are needed", view.name});
+      faults.add({std::to_string(view.pixels.size()) + " points", "at least 6 are needed",
+                  view.name, Cause::kInsufficient});
     }
     for (std::size_t i = 0; i < std::min(view.points_G.size(), view.pixels.size()); ++i) {
       if (!view.points_G[i].allFinite() || !view.pixels[i].allFinite()) {
@@ -105,7 +106,8 @@ class Calibrator {
   CameraUncertainty uncertainty() const {
     if (!lens_.converged)
       throw WorkError({"the fit of a camera of the model " + model_.name + " did not converge",
-                       "take more views, tilted in different directions, or use a simpler model"});
+                       "take more views, tilted in different directions, or use a simpler model",
+                       "", Cause::kInsufficient});
     return uncertainty_of(lens_, views_, model_);
   }
 
@@ -144,14 +146,17 @@ class Calibrator {
   void fit() {
     if (views_.size() < kFewestViews) {
       std::vector<Refusal> refusals{{fmt::format("{} usable views of the board", views_.size()),
-                                     fmt::format("at least {} are needed", kFewestViews)}};
-      for (const auto& [name, reason] : rejected_) refusals.push_back({reason, "", name});
+                                     fmt::format("at least {} are needed", kFewestViews), "",
+                                     Cause::kInsufficient}};
+      for (const auto& [name, reason] : rejected_)
+        refusals.push_back({reason, "", name, Cause::kInsufficient});
       throw InputError(refusals, 0);
     }
     auto lens = fit_to(views_);
     if (!lens)
       throw WorkError({"the fit of a camera of the model " + model_.name + " failed",
-                       "take more views, tilted in different directions, or use a simpler model"});
+                       "take more views, tilted in different directions, or use a simpler model",
+                       "", Cause::kInsufficient});
     lens_ = std::move(*lens);
   }
 
@@ -266,7 +271,8 @@ ChosenModel choose_model(const CalibrationProblem& problem, const std::vector<Re
     if (candidate) candidates.push_back(std::move(*candidate));
   if (candidates.empty())
     throw WorkError(Refusal{"the views determine no camera, whatever the model",
-                            "take more of them, tilted in different directions"});
+                            "take more of them, tilted in different directions", "",
+                            Cause::kInsufficient});
   const auto best = std::min_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return mean(a.squares) < mean(b.squares); });

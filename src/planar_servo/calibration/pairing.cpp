@@ -303,7 +303,8 @@ void require_rows_in_order(const std::vector<ToolSight>& sights) {
                                 "the place {} its own",
                                 std::abs(*rows), std::abs(*rows) == 1 ? "" : "s",
                                 *rows > 0 ? "before" : "after"),
-                    "restore the order of the rows in the tracker's table", "tracker"});
+                    "restore the order of the rows in the tracker's table", "tracker",
+                    Cause::kContradiction});
 }
 
 }  // namespace
@@ -317,7 +318,8 @@ void require_reading_order(const std::vector<ToolSight>& sights, PairBy by) {
   throw InputError({fmt::format("its readings do not follow the lamps: the best smooth view of {} "
                                 "places misses them by {:.0f} % of the field",
                                 sights.size(), 100.0 * share),
-                    "check that ids, times and order belong to this recording", "tracker"});
+                    "check that ids, times and order belong to this recording", "tracker",
+                    Cause::kContradiction});
 }
 
 std::vector<Rejection> take_out_frozen(std::vector<ToolSight>& sights) {

@@ -51,7 +51,7 @@ Pose pose_from_homography(const Eigen::Matrix3d& H_CW) {
   if (!(H_CW.determinant() < 0.0))
     throw InputError({"the tracker's positions are the mirror image of what the camera sees",
                       "check that no monuments are exchanged and that their coordinates are right",
-                      "workplane"});
+                      "workplane", Cause::kContradiction});
   const Eigen::Matrix3d M = 2.0 / (H_CW.col(0).norm() + H_CW.col(1).norm()) * H_CW;
   Eigen::Matrix3d axes;
   axes << M.col(0), M.col(1), M.col(0).cross(M.col(1));
@@ -73,8 +73,8 @@ CameraPlane board_plane(const Pose& X_CG, double points_height) {
 
 CameraPlane mean_plane(const std::vector<CameraPlane>& planes) {
   if (planes.empty())
-    throw InputError(
-        {"no board was found on the plane", "record views of plan 'plane_grid'", "workplane"});
+    throw InputError({"no board was found on the plane", "record views of plan 'plane_grid'",
+                      "workplane", Cause::kInsufficient});
   CameraPlane mean{Eigen::Vector3d::Zero(), 0.0};
   for (const CameraPlane& plane : planes) {
     mean.normal_C += plane.normal_C;
@@ -138,7 +138,7 @@ SightSet::SightSet(const CameraModel& camera, const std::vector<ToolSight>& sigh
   if (entries_.size() < kLeastSights)
     throw InputError({fmt::format("{} sights with lamps and tracker", entries_.size()),
                       fmt::format("at least {} are needed, spread over the field", kLeastSights),
-                      "workplane"});
+                      "workplane", Cause::kInsufficient});
 }
 
 std::vector<SightSet::MiddleRay> SightSet::middle_rays() const {
@@ -193,7 +193,7 @@ void SightSet::require_few_rejected() const {
       {fmt::format("{} of {} sights had to be left out, '{}' first ({})", rejected_.size(), given_,
                    rejected_.front().id, rejected_.front().reason),
        "vision and tracker do not belong together: check ids, times and the camera file",
-       "workplane"});
+       "workplane", Cause::kContradiction});
 }
 
 }  // namespace planar

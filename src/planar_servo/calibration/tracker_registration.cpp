@@ -134,6 +134,7 @@ MonumentVerdict verdict(const Monuments& monuments, double sigma) {
   MonumentVerdict result;
   if (suspected.size() == 1) {
     result.moved = suspected.front();
+    result.doubt.cause = Cause::kContradiction;
     result.doubt.fault = "datum: " + offset_text(monuments, suspected.front(), sigma) +
                          ", while the others fit; has it moved? " + kReadAgain;
     return result;
@@ -144,7 +145,7 @@ MonumentVerdict verdict(const Monuments& monuments, double sigma) {
           "which one",
           monuments.size() <= 3 ? worst_side(monuments, sigma) : worst_offset(monuments, sigma),
           monuments.size()),
-      kReadAgain};
+      kReadAgain, "", Cause::kContradiction};
   return result;
 }
 
@@ -180,7 +181,7 @@ Refusal doubt_of_drift(const Monuments& ends, double sigma) {
       fmt::format("datum: between the beginning and the end of the recording the monuments moved "
                   "relative to the tracker: {} mm, +- {:.3f} per axis; {}",
                   sizes, mm(sigma), who),
-      "record again with tracker and monuments at rest"};
+      "record again with tracker and monuments at rest", "", Cause::kContradiction};
 }
 
 }  // namespace
@@ -223,7 +224,7 @@ std::map<std::string, std::vector<MonumentReading>> sort_readings(
   std::map<std::string, std::vector<MonumentReading>> by_id;
   for (const Monument& monument : monuments) {
     if (!by_id.emplace(monument.id, std::vector<MonumentReading>()).second)
-      faults.add({"monument '" + monument.id + "' is named twice", "", "datum"});
+      faults.add({"monument '" + monument.id + "' is named twice", "", "datum", Cause::kExists});
     if (!monument.p_B.allFinite())
       faults.add(
           {"monument '" + monument.id + "' has a coordinate that is not finite", "", "datum"});
@@ -253,7 +254,7 @@ void require_fit(const DatumRegistration& datum, const Monuments& monuments) {
                    mm(datum.rms)),
        "check for exchanged ids, and check the unit of the readings and the coordinates in the "
        "cell file",
-       "datum"});
+       "datum", Cause::kContradiction});
 }
 
 DatumRegistration registration_of(const Monuments& sights) {
@@ -296,7 +297,7 @@ DatumRegistration register_datum(const std::vector<Monument>& monuments,
   if (sights.size() < 3)
     throw InputError(
         {"the tracker has read " + std::to_string(sights.size()) + " of the cell's monuments",
-         "at least 3 that are not on one line are needed", "datum"});
+         "at least 3 that are not on one line are needed", "datum", Cause::kInsufficient});
   const MonumentVerdict verdict = check_monuments(sights);
   std::optional<std::string> left_out;
   if (verdict.moved) {

@@ -94,7 +94,8 @@ void require_directions(const std::vector<FlatSight>& sights) {
   throw InputError(
       {"the lamps point in nearly the same direction at all places, which does not show where the "
        "end point is on the tool",
-       "record a sweep of joint 3, or poses with the tool turned", "workplane"});
+       "record a sweep of joint 3, or poses with the tool turned", "workplane",
+       Cause::kInsufficient});
 }
 
 double field_of(const std::vector<FlatSight>& sights) {
@@ -111,7 +112,7 @@ void require_same_size(const Alignment& alignment) {
                                 100.0 * std::abs(alignment.scale - 1.0),
                                 alignment.scale > 1.0 ? "farther" : "less far"),
                     "check the pitch in --grid, --board-thickness-mm and arm.link_lengths_mm",
-                    "workplane"});
+                    "workplane", Cause::kContradiction});
 }
 
 std::vector<double> distances_of(const Alignment& alignment, const std::vector<FlatSight>& sights) {
@@ -149,7 +150,7 @@ void require_small(double rms, double field) {
                                 mm(rms), mm(field)),
                     "they do not belong together: check arm.positive_rotation, coupling and link "
                     "lengths, and that the drives kept their position",
-                    "workplane"});
+                    "workplane", Cause::kContradiction});
 }
 
 Pose in_base(const Alignment& alignment, const Pose& X_WC) {
@@ -171,13 +172,14 @@ WorkplaneFit fit_workplane_to_arm(const CameraModel& camera, const std::vector<P
   std::vector<FlatSight> seen = flat_sights({camera, over_plane}, sights, fit.rejected);
   if (seen.size() < kFewestSights)
     throw InputError({fmt::format("{} places with both lamps are too few", seen.size()),
-                      fmt::format("{} are needed", kFewestSights), "workplane"});
+                      fmt::format("{} are needed", kFewestSights), "workplane",
+                      Cause::kInsufficient});
   require_directions(seen);
   while (leave_out(align(seen, true), seen, fit.rejected))
     if (3 * seen.size() < 2 * sights.size())
       throw InputError({fmt::format("{} of {} places lie far off the others",
                                     sights.size() - seen.size(), sights.size()),
-                        "", "workplane"});
+                        "", "workplane", Cause::kContradiction});
   require_same_size(align(seen, false));
   const Alignment alignment = align(seen, true);
   fit.rms = rms(distances_of(alignment, seen));

@@ -57,7 +57,7 @@ SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points) {
                           std::to_string(points.size()) + " usable places)",
                       "record a plan with rows 'sweep3' in which joint 3 alone turns through half "
                       "a turn or more",
-                      "tool offsets"});
+                      "tool offsets", Cause::kInsufficient});
   SweepOffset result;
   result.offset = sum / information;
   double square = 0.0;
@@ -177,8 +177,8 @@ Pose start_from_pairs(const SightSet& sights, const CameraModel& camera) {
   }
   const std::optional<CoarseView> view = fit_coarse_view(rows);
   if (!view)
-    throw InputError(
-        {"the positions lie on one line", "record positions all over the field", "workplane"});
+    throw InputError({"the positions lie on one line", "record positions all over the field",
+                      "workplane", Cause::kInsufficient});
   return pose_from_homography(Eigen::Vector3d(1.0 / f, 1.0 / f, 1.0).asDiagonal() *
                               view->homography());
 }
@@ -194,7 +194,8 @@ Pose settle(const SightSet& sights, const Pose& start, const Step& step) {
     X_WC = next;
     if (change < kSettled) return X_WC;
   }
-  throw WorkError({"the fit of camera pose and tool offsets does not converge", "", "workplane"});
+  throw WorkError({"the fit of camera pose and tool offsets does not converge", "", "workplane",
+                   Cause::kInsufficient});
 }
 
 bool reject_outliers(SightSet& sights, const Pose& X_WC) {
@@ -233,7 +234,8 @@ void require_small(double rms_m, const Seen& seen) {
   throw InputError(
       {fmt::format("vision and tracker differ by {:.2f} mm rms over a field of {:.0f} mm",
                    mm(rms_m), mm(field)),
-       "they do not belong together: check ids, times and the camera file", "workplane"});
+       "they do not belong together: check ids, times and the camera file", "workplane",
+       Cause::kContradiction});
 }
 
 /// A fit without its covariance, and the normal equations that give it.
@@ -268,8 +270,8 @@ void require_same_lengths(const Pose& by_board, const Pose& by_tracker) {
   throw InputError({fmt::format("the camera is {:.0f} mm above the plane by the board, but "
                                 "{:.0f} mm by the tracker's readings",
                                 mm(board), mm(tracker)),
-                    "check the pitch in --grid and the unit of the tracker's lengths",
-                    "workplane"});
+                    "check the pitch in --grid and the unit of the tracker's lengths", "workplane",
+                    Cause::kContradiction});
 }
 
 /// Returns the covariance of the camera pose when position and turn in the plane come from the

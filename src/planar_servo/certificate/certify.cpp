@@ -134,7 +134,7 @@ std::vector<Eigen::Vector2d> spread_targets(const CalibratedCell& cell, const Dr
                                 tour.size(), wanted),
                     "record training positions over more of the workspace, or narrow the workspace "
                     "in the cell file",
-                    cell.settings.file});
+                    cell.settings.file, Cause::kUnreachable});
 }
 
 namespace fs = std::filesystem;
@@ -158,7 +158,8 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   const fs::path file = cycles_file(request), results = request.servo.folder.path / "results.csv";
   if (!fs::exists(file)) {
     if (fs::exists(results) && !read_results(results).empty())
-      throw InputError({"belongs to no certificate", "name another folder", results});
+      throw InputError(
+          {"belongs to no certificate", "name another folder", results, Cause::kForeign});
     return {};
   }
   drop_torn_line(file, header);
@@ -172,7 +173,7 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
   throw InputError(
       {"was begun with other --cycles or --targets, with another judge or before the cell file was "
        "changed; its first lines say with which",
-       "give the same ones to continue, or name another folder", file});
+       "give the same ones to continue, or name another folder", file, Cause::kForeign});
 }
 
 /// Returns the objections to the cell's files. Throws InputError unless they are accepted.
@@ -352,7 +353,7 @@ TestPlaces find_test_places(const CalibratedCell& cell, std::size_t targets) {
   }
   throw InputError({"no square of the workspace is reached by arm, camera and error map",
                     "look at the limits and the workspace in the cell file with planar-doctor",
-                    cell.settings.file});
+                    cell.settings.file, Cause::kUnreachable});
 }
 
 CertificateRun run_certificate(

@@ -187,7 +187,7 @@ int PathJob::begin(const std::string& name, const std::vector<double>& speeds_mm
     const std::lock_guard<std::mutex> lock(mutex_);
     table = table_;
   }
-  if (!table) throw InputError(Refusal{"there is no path", "load one"});
+  if (!table) throw InputError({"there is no path", "load one", "", Cause::kMissing});
   PathRequest path{kPath, table->path, guidances, path_speeds(speeds_mm_s)};
   if (speeds_mm_s.empty() || guidances.empty())
     throw InputError({"it is to be followed no time", "name a speed and what guides it", kPath});

@@ -53,9 +53,10 @@ void CellJobs::load_targets(const std::string& csv, const std::string& work,
                             const std::string& tool) {
   Wanted wanted{targets_in(csv, kTable), work, tool};
   if (csv.find_first_not_of(" \r\n") != csv.npos && wanted.drawn.empty())
-    throw InputError({"has no rows", "add a row id,x_mm,y_mm", kTable});
+    throw InputError({"has no rows", "add a row id,x_mm,y_mm", kTable, Cause::kMissing});
   if (wanted.drawn.empty() && !(work.empty() && tool.empty()))
-    throw InputError({"has no rows for that work or tool", "add a row id,x_mm,y_mm", kTable});
+    throw InputError(
+        {"has no rows for that work or tool", "add a row id,x_mm,y_mm", kTable, Cause::kMissing});
   if (!wanted.drawn.empty())
     question_targets(placed(wanted).targets, cell_.settings().workspace, kTable);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -80,7 +81,7 @@ CellJobs::Placed CellJobs::placed(const Wanted& wanted) const {
       throw InputError({fmt::format("'{}' is no file of works beside the cell file", wanted.work),
                         known.empty() ? "find one with planar-find-work"
                                       : fmt::format("there are {}", fmt::join(known, ", ")),
-                        "work"});
+                        "work", Cause::kMissing});
     placed.works = read_works(cell_.folder() / wanted.work, cell_.calibrated(), false);
     placed.targets = on_works(placed.targets, placed.works->works);
   }
@@ -118,7 +119,8 @@ int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
   const fs::path out = folder(name);
   const Wanted kept = wanted();
   const Placed on = placed(kept);
-  if (on.targets.empty()) throw InputError(Refusal{"there are no targets", "load or teach some"});
+  if (on.targets.empty())
+    throw InputError({"there are no targets", "load or teach some", "", Cause::kMissing});
   return begin(
       Doing::kRunning, "targets", name, known,
       [=](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
@@ -200,7 +202,7 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
   try {
     return number.get();
   } catch (const std::future_error&) {
-    throw CellBusy("was stopped before it began");
+    throw WorkError("was stopped before it began", Cause::kStopped);
   }
 }
 
@@ -246,7 +248,8 @@ void CellJobs::end(const Ending& ending) {
 
 void CellJobs::require_able() const {
   const auto arm = board_.state().arm;
-  if (arm && !arm->to_do.empty()) throw InputError(Refusal{"the arm cannot move yet", arm->to_do});
+  if (arm && !arm->to_do.empty())
+    throw InputError({"the arm cannot move yet", arm->to_do, "", Cause::kDevice});
 }
 
 fs::path CellJobs::folder(const std::string& name) const {

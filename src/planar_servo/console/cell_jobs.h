@@ -20,7 +20,7 @@ namespace planar {
 /// The work of a console that visits places by vision: a table of targets, one place, or the check
 /// of the cell. All functions may be called from any thread; those that begin a job return its
 /// number once its files are read, and throw InputError for files or targets that cannot be used,
-/// CellBusy while the cell is at work.
+/// WorkError, kBusy, while the cell is at work.
 class CellJobs {
  public:
   /// All must outlive the jobs.

@@ -69,7 +69,7 @@ void CellWorker::open_jog() {
     for (const Refusal& refusal : e.refusals())
       teach_doubts_.push_back({refusal.fault + ", so that no place can be taught",
                                "mend or move the table, then start the console again",
-                               refusal.where});
+                               refusal.where, refusal.cause});
   }
 }
 
@@ -181,12 +181,14 @@ std::shared_ptr<CellWorker::Task> CellWorker::post(Doing doing, const std::strin
   task->act = std::move(act);
   task->held_until_s = held ? clock_.now_s() + kHold_s : kForever;
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (closed_) throw CellBusy(Refusal{"the cell's files are read anew", "wait a moment"});
+  if (closed_)
+    throw WorkError({"the cell's files are read anew", "wait a moment", "", Cause::kBusy});
   if (known != stops_)
-    throw CellBusy(Refusal{"the cell was stopped after this was ordered", "order it again"});
+    throw WorkError(
+        {"the cell was stopped after this was ordered", "order it again", "", Cause::kStopped});
   if (task_)
-    throw CellBusy(
-        Refusal{fmt::format("the cell is at work: {}", task_->text), "wait, or stop it"});
+    throw WorkError({fmt::format("the cell is at work: {}", task_->text), "wait, or stop it", "",
+                     Cause::kBusy});
   task_ = task;
   task->begun = board_.note(doing, text);
   changed_.notify_all();
@@ -309,10 +311,11 @@ void CellWorker::publish_doubts() {
         {*camera_fault_,
          "look at its cable and power, and examine it with planar-doctor; what runs waits a "
          "minute for it",
-         "camera"});
+         "camera", Cause::kDevice});
   for (std::size_t i = 0; i < drives_.size(); ++i)
     for (const std::string& fault : drives_[i].faults)
-      doubts.push_back({fault, "mend it, then enable the drives", fmt::format("drive {}", i + 1)});
+      doubts.push_back({fault, "mend it, then enable the drives", fmt::format("drive {}", i + 1),
+                        Cause::kDevice});
   board_.change([&](CellState& state) { state.doubts = std::move(doubts); });
 }
 

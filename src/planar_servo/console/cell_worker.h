@@ -18,19 +18,13 @@
 
 namespace planar {
 
-/// What was asked for must wait: the cell is at work, or somebody else moves it.
-class CellBusy : public WorkError {
- public:
-  using WorkError::WorkError;
-};
-
 /// The stops of the cell that whoever gave an order knew of.
 using StopsKnown = std::uint64_t;
 
 /// Works a cell's devices on one thread, one task after the other; between tasks it takes pictures
 /// while anybody watches. A stop ends what is under way and all that was ordered before it: what
-/// begins a task takes the stops its order knew of, and throws CellBusy once there were more. All
-/// functions may be called from any thread.
+/// begins a task takes the stops its order knew of, and throws WorkError, kStopped, once there were
+/// more. All functions may be called from any thread.
 class CellWorker {
  public:
   /// Opens the devices. `interrupted` is asked during every move. Throws as open_cell() and
@@ -41,8 +35,8 @@ class CellWorker {
   CellWorker(const CellWorker&) = delete;
   CellWorker& operator=(const CellWorker&) = delete;
 
-  /// Performs a command of these words as JogConsole does. Throws CellBusy while another task is
-  /// not done.
+  /// Performs a command of these words as JogConsole does. Throws WorkError, kBusy, while another
+  /// task is not done.
   std::string command(const ArmCommand& command, const std::string& words, StopsKnown known);
   /// Begins a command that moves the arm as long as keep() is called every kHold_s; then it slows
   /// down to rest. Returns the number of the first state that says so. Throws as command() does,

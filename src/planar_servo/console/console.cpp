@@ -101,8 +101,8 @@ class CellLock {
     if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
       return;
     close(descriptor_);
-    throw InputError(
-        {"another planar-console serves this cell", "use its page, or end it first", cell_file});
+    throw InputError({"another planar-console serves this cell", "use its page, or end it first",
+                      cell_file, Cause::kBusy});
   }
   ~CellLock() { close(descriptor_); }
   CellLock(const CellLock&) = delete;

@@ -73,13 +73,14 @@ std::shared_ptr<void> PageSeat::take(std::shared_ptr<PageOperator> person) {
 void PageSeat::answer(int question, const std::string& text) {
   const auto there = person();
   if (!there || !there->answer(question, text))
-    throw CellBusy(Refusal{fmt::format("question {} is not asked now", question),
-                           "answer the one that stands on the page"});
+    throw WorkError({fmt::format("question {} is not asked now", question),
+                     "answer the one that stands on the page", "", Cause::kBusy});
 }
 
 void PageSeat::confirm() {
   const auto there = person();
-  if (!there) throw CellBusy(Refusal{"nothing is to be confirmed", "begin a recording"});
+  if (!there)
+    throw WorkError({"nothing is to be confirmed", "begin a recording", "", Cause::kBusy});
   there->confirm();
 }
 

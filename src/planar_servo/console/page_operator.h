@@ -8,7 +8,6 @@
 #include <string>
 
 #include "planar_servo/base/core/operator.h"
-#include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/state_board.h"
 
 namespace planar {
@@ -58,7 +57,8 @@ class PageSeat {
   /// Gives the seat to this person until the result ends.
   std::shared_ptr<void> take(std::shared_ptr<PageOperator> person);
 
-  /// Answers the question of this number; confirms an advice. Throw CellBusy where none stands.
+  /// Answers the question of this number; confirms an advice. Throw WorkError, kBusy, where none
+  /// stands.
   void answer(int question, const std::string& text);
   void confirm();
 

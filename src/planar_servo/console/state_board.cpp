@@ -115,7 +115,10 @@ std::string CellNames::in(std::string text) const {
 }
 
 ordered_json refusal_json(const Refusal& refusal) {
-  return {{"fault", refusal.fault}, {"remedy", refusal.remedy}, {"where", refusal.where}};
+  return {{"fault", refusal.fault},
+          {"remedy", refusal.remedy},
+          {"where", refusal.where},
+          {"cause", to_text(refusal.cause)}};
 }
 
 std::uint64_t StateBoard::change(const std::function<void(CellState&)>& change) {

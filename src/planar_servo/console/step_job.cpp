@@ -27,7 +27,7 @@ constexpr int kLook_ms = 100;  // between two looks whether to stop
 WorkStep next_of(const fs::path& cell, const std::string& board) {
   for (WorkStep& step : work_steps(cell, board))
     if (step.state == WorkStep::State::kNext) return std::move(step);
-  throw InputError(Refusal{"nothing is left to do"});
+  throw InputError("nothing is left to do", Cause::kMissing);
 }
 
 /// Starts a shell's command, which finds our programs first and prints to `output`.
@@ -51,7 +51,7 @@ pid_t start_shell(std::string command, int output) {
   const int fault = posix_spawn(&child, "/usr/bin/env", &files, &attributes, words.data(), environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
-  if (fault != 0) throw WorkError("no process can be started");
+  if (fault != 0) throw WorkError("no process can be started", Cause::kSystem);
   return child;
 }
 
@@ -60,7 +60,7 @@ pid_t start_shell(std::string command, int output) {
 int run_shell(const std::string& command, const std::function<bool()>& stop,
               const std::function<void(std::string)>& tell) {
   std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw WorkError("no pipe can be made");
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw WorkError("no pipe can be made", Cause::kSystem);
   const AtEnd closed([&] { close(ends[0]); });
   pid_t child = -1;
   {

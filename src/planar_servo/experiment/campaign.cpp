@@ -148,7 +148,7 @@ void require_same_lamps(const CellSettings& cell, const Truth& truth, const char
       {fmt::format("names {} reference_lamps, while cells of the kind {} have {}",
                    drawn ? "no" : "some", kind, drawn ? "some" : "none"),
        fmt::format("give the cell.yaml that planar-virtual-cell draw --like {} writes", kind),
-       cell.file});
+       cell.file, Cause::kForeign});
 }
 
 /// Throws unless a drawn cell has about the links and the sensor that the cell file states.
@@ -167,7 +167,7 @@ void require_same_machine(const CellSettings& cell, const Truth& drawn) {
                    stated_m[0] / kMillimetre, stated_m[1] / kMillimetre, cell.camera.width_px,
                    cell.camera.height_px, links_m[0] / kMillimetre, links_m[1] / kMillimetre,
                    2.0 * drawn.camera.center_px.x(), 2.0 * drawn.camera.center_px.y()),
-       "give a cell.yaml such as planar-virtual-cell draw writes", cell.file});
+       "give a cell.yaml such as planar-virtual-cell draw writes", cell.file, Cause::kForeign});
 }
 
 }  // namespace
@@ -204,7 +204,7 @@ Claims::Claims(const std::filesystem::path& file)
   if (file_ < 0)
     throw InputError(
         {"cannot be opened to read and write: " + std::generic_category().message(errno),
-         "name a place where you may write", file});
+         "name a place where you may write", file, Cause::kSystem});
 }
 
 Claims::~Claims() {
@@ -217,7 +217,7 @@ Claim Claims::claim(std::uint64_t piece, bool waits) {
   if (fault != 0)
     throw InputError({"its file system has no locks, by which programs share work (" +
                           std::generic_category().message(fault) + ")",
-                      "name a place on another one", path_});
+                      "name a place on another one", path_, Cause::kSystem});
   return {this, [file = file_, piece](const void*) { set_lock(file, piece, F_UNLCK, false); }};
 }
 
@@ -237,7 +237,7 @@ CampaignRows::CampaignRows(const std::filesystem::path& file, const nlohmann::js
       throw InputError(
           {fmt::format("does not begin as the rows of a campaign do, with the format {}",
                        kRowFormat),
-           "name another folder", file_});
+           "name another folder", file_, Cause::kForeign});
     require_same_making(file_, first["made_with"], made_with);
   }
   read_new_rows();
@@ -297,8 +297,8 @@ std::vector<nlohmann::json> run_campaign(const ExperimentRequest& request, const
   require_same_lamps(request.cell, first, name_in(kCellKinds, draw));
   require_same_machine(request.cell, first);
   if (fs::exists(request.out / "recording"))
-    throw InputError(
-        {"holds a single experiment", "name another folder for the campaign", request.out});
+    throw InputError({"holds a single experiment", "name another folder for the campaign",
+                      request.out, Cause::kForeign});
   make_folder(request.out);
   nlohmann::json making = making_of_campaign(request);
   making["like"] = name_in(kCellKinds, draw);

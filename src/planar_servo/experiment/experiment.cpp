@@ -228,7 +228,7 @@ PositioningPrediction predict_experiment(const ExperimentRequest& request) {
   if (!fs::exists(recording))
     throw InputError({"does not exist",
                       "--predict needs a recording there, of an experiment or of planar-record",
-                      recording});
+                      recording, Cause::kMissing});
   ChainSettings settings = our_settings(request);
   settings.name = "prediction";
   const CalibratedChain chain = calibrate_chain(
@@ -267,7 +267,8 @@ void require_same_making(const fs::path& file, const nlohmann::json& begun,
   if (differences.empty()) return;
   throw InputError({fmt::format("was begun with another cell or other options: {}",
                                 fmt::join(differences, "; ")),
-                    "give the same ones to continue, or name another folder", file});
+                    "give the same ones to continue, or name another folder", file,
+                    Cause::kForeign});
 }
 
 void begin_experiment(const ExperimentRequest& request) {
@@ -277,8 +278,8 @@ void begin_experiment(const ExperimentRequest& request) {
   if (request.cell.truth) now["truth_sha256"] = content_sha256(*request.cell.truth);
   if (!fs::exists(file)) {
     if (fs::exists(request.out / "recording") || fs::exists(request.out / "rows.jsonl"))
-      throw InputError(
-          {"holds a recording or a campaign already", "name another folder", request.out});
+      throw InputError({"holds a recording or a campaign already", "name another folder",
+                        request.out, Cause::kForeign});
     make_folder(request.out);
     return write_file(file, with_format_key("experiment_begun", now.dump(2)));
   }

@@ -32,7 +32,7 @@ constexpr double kPaperImprovementMean = 0.864;                       // of the 
   throw WorkError(
       {fmt::format("no place on the circle of radius {} mm has both lamps and a tracker reading",
                    radius_mm),
-       "lamps.csv says why"});
+       "lamps.csv says why", "", Cause::kInsufficient});
 }
 
 constexpr double kNotPrinted = std::numeric_limits<double>::quiet_NaN();

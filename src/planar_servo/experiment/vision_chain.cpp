@@ -122,7 +122,8 @@ MapResult map_by_hand(const std::vector<PairRow>& pairs) {
   }
   if (!best)
     throw WorkError(
-        "no width set by hand gives a map of these pairs: the equations cannot be solved");
+        "no width set by hand gives a map of these pairs: the equations cannot be solved",
+        Cause::kInsufficient);
   return std::move(*best);
 }
 

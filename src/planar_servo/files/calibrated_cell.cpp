@@ -75,7 +75,7 @@ void require_checkable(const CalibratedCell& cell) {
   if (cell.health) return;
   throw InputError({"names no health file that exists, so there is nothing to compare with",
                     "make one with planar-pair-tracker --health-out and name it under `health`",
-                    cell.settings.file});
+                    cell.settings.file, Cause::kMissing});
 }
 
 CalibratedCell read_checkable_cell(const CellSettings& settings) {

@@ -141,7 +141,7 @@ void require_reference_lamps(const CellSettings& cell, const std::vector<Referen
                                 cell.reference_lamps.size()),
                     "make it of a recording that shows them, with planar-record, "
                     "planar-locate-lamps and planar-pair-tracker",
-                    cell.workplane});
+                    cell.workplane, Cause::kMissing});
 }
 
 CameraModel read_cell_camera(const CellSettings& cell) {
@@ -154,7 +154,7 @@ CameraModel read_cell_camera(const CellSettings& cell) {
                      cell.camera.height_px),
          "name the file of the cell's camera in the cell file, or make it with "
          "planar-calibrate-camera",
-         cell.camera_model});
+         cell.camera_model, Cause::kForeign});
   return record.camera;
 }
 

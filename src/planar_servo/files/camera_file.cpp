@@ -114,8 +114,9 @@ void check_count(YamlReader& reader, const Stated& stated) {
 /// Checks that a matrix is one of a camera that sends the whole picture of its sensor.
 void check_matrix(YamlReader& reader, const Stated& stated) {
   const std::vector<double>&K = stated.K, &P = stated.P;
-  const auto check = [&](bool kept, const char* fault, const char* remedy) {
-    return reader.check(kept, {fault, remedy}, stated.key);
+  const auto check = [&](bool kept, const char* fault, const char* remedy,
+                         Cause cause = Cause::kInvalid) {
+    return reader.check(kept, {fault, remedy, "", cause}, stated.key);
   };
   const bool turned = K[2] == 0.0 && K[5] == 0.0 && K[6] != 0.0;
   if (!check(!turned, "the matrix is transposed", "write it row by row: fx 0 cx, 0 fy cy, 0 0 1") ||
@@ -129,7 +130,8 @@ void check_matrix(YamlReader& reader, const Stated& stated) {
         "the centre is far from the middle of the picture: they are of different sizes, or of a "
         "region",
         "name the size of the picture that the matrix is for; for a region, calibrate whole "
-        "pictures");
+        "pictures",
+        Cause::kContradiction);
   if (P.size() != 12) return;
   constexpr double kSame = 0.01;
   const double ratio = P[0] / K[0];
@@ -137,7 +139,7 @@ void check_matrix(YamlReader& reader, const Stated& stated) {
       std::abs(ratio - 1.0) > kSame && std::abs(P[5] / K[4] / ratio - 1.0) < kSame &&
       std::abs(P[2] / K[2] / ratio - 1.0) < kSame && std::abs(P[6] / K[5] / ratio - 1.0) < kSame;
   check(!scaled, "matrix and projection are of pictures of different sizes",
-        "make both at the size that the camera sends");
+        "make both at the size that the camera sends", Cause::kContradiction);
 }
 
 /// Refuses what makes a file one of another picture than that of the whole sensor.
@@ -145,7 +147,9 @@ void check_picture(YamlReader& reader) {
   const auto refuse_above = [&](int most, const char* key, const char* fault, const char* remedy) {
     int number = 0;
     if (reader.given(key)) reader.whole_number(key, number, 0);
-    reader.check(number <= most, {fmt::format("{} is {}: {}", key, number, fault), remedy}, key);
+    reader.check(number <= most,
+                 {fmt::format("{} is {}: {}", key, number, fault), remedy, "", Cause::kForeign},
+                 key);
   };
   for (const char* key : {"binning_x", "binning_y"})
     refuse_above(1, key, "the matrix is not of the pictures sent",
@@ -209,7 +213,8 @@ void read_mrcal(YamlReader& reader, Stated& stated) {
   read_size(reader, "imagersize", stated);
   std::vector<double> all;
   reader.numbers("intrinsics", all, 0);
-  reader.check(all.size() >= 4, {"has no focal lengths and centre", ""}, "intrinsics");
+  reader.check(all.size() >= 4, {"has no focal lengths and centre", "", "", Cause::kMissing},
+               "intrinsics");
   reader.throw_if_faulty();
   stated.K = matrix_of(all[0], all[1], all[2], all[3]);
   stated.key = "intrinsics";
@@ -322,7 +327,7 @@ CameraRecord read_camera_xml(const std::filesystem::path& path) {
   const std::string text = read_file(path);
   if (text.find("<opencv_storage>") != text.npos)
     throw InputError({"is an XML file of OpenCV's FileStorage",
-                      "write it again to a file named .yml, which is read", path});
+                      "write it again to a file named .yml, which is read", path, Cause::kForeign});
   if (constexpr std::string_view kCamera = "<camera>"; text.find(kCamera) != text.rfind(kCamera))
     throw InputError({"holds several cameras", "keep the one of the cell's picture size", path});
   const std::string name = camera_name_in(text);
@@ -416,7 +421,7 @@ std::vector<Eigen::Vector2d> read_board_pixels(const std::filesystem::path& path
     }
   }
   if (pixels.empty() && faults.empty())
-    faults.add({"has no points", "lines of two numbers u v are needed", path});
+    faults.add({"has no points", "lines of two numbers u v are needed", path, Cause::kMissing});
   faults.throw_if_any();
   return pixels;
 }

@@ -183,14 +183,15 @@ void read_workspace(Fields& fields, Workspace& workspace) {
 void require_body(Fields& fields, const ArmSettings& arm, const Workspace& workspace) {
   fields.check(workspace.barriers.empty() || arm.geometry.body.link_widths_m.minCoeff() > 0.0,
                {"workspace.obstacles are there, but the arm's width is not known",
-                "add arm.link_width_mm: [WIDTH1, WIDTH2]"});
+                "add arm.link_width_mm: [WIDTH1, WIDTH2]", "", Cause::kMissing});
   const ArmBody& body = arm.geometry.body;
   for (const Barrier& barrier : workspace.barriers)
     fields.check(!body.link_heights[0].overlap(barrier.heights) ||
                      distance_m({0.0, 0.0}, {0.0, 0.0}, barrier) > 0.5 * body.link_widths_m[0],
                  {fmt::format("the obstacle {} reaches over the base's axis, where link 1 turns",
                               barrier.name),
-                  "correct its place, or give it z_mm and the links link_height_mm"});
+                  "correct its place, or give it z_mm and the links link_height_mm", "",
+                  Cause::kContradiction});
 }
 
 void read_lamps(Fields& fields, LampSettings& lamps) {
@@ -215,13 +216,14 @@ void read_reference_lamps(Fields& fields, std::vector<ReferenceLampLayout>& lamp
   fields.maps(key, lamps, [&](ReferenceLampLayout& lamp) {
     read_reference_lamp(fields, lamp);
     fields.check(ids.insert(lamp.id).second, {fmt::format("{} has the id '{}' twice", key, lamp.id),
-                                              "each lamp needs its own"});
+                                              "each lamp needs its own", "", Cause::kExists});
   });
   fields.check(lamps.size() >= kLeast,
                {fmt::format("{} names {}", key, lamps.size()),
                 fmt::format("at least {} are needed, or a lamp that was knocked cannot be told "
                             "from a camera that moved",
-                            kLeast)},
+                            kLeast),
+                "", Cause::kInsufficient},
                key);
 }
 
@@ -275,7 +277,8 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   });
   fields.check(by_sight == 0 || by_sight == 3,
                {"drives are homed by sight all three or none, because the camera sees the arm as a "
-                "whole"},
+                "whole",
+                "", "", Cause::kContradiction},
                "drives");
   fields.number("tool_orientation_deg", cell.tool_orientation, kDegree);
   fields.map("servo", [&] { list_servo(fields, cell.servo); });
@@ -298,7 +301,8 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
   if (fields.given("arm_learned", true))
     read_file_name(fields, "arm_learned", cell, cell.arm_learned.emplace());
   fields.check(!cell.arm_learned || cell.arm_found,
-               {"arm_learned needs arm_found, which it learns from"}, "arm_learned");
+               {"arm_learned needs arm_found, which it learns from", "", "", Cause::kMissing},
+               "arm_learned");
   if (fields.given("virtual", true)) read_file_name(fields, "virtual", cell, cell.truth.emplace());
 }
 
@@ -328,7 +332,7 @@ CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kin
 const std::filesystem::path& require_made(const std::filesystem::path& path,
                                           const std::string& program) {
   if (!std::filesystem::exists(path))
-    throw InputError({"does not exist yet", "make it with " + program, path});
+    throw InputError({"does not exist yet", "make it with " + program, path, Cause::kMissing});
   return path;
 }
 

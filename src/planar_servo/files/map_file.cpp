@@ -229,7 +229,7 @@ std::optional<std::string> accept_objection(const std::optional<Refusal>& object
                                             const std::string& remedy,
                                             const std::filesystem::path& map, bool accepted) {
   if (!objection) return std::nullopt;
-  const Refusal refusal{objection->fault, remedy, map};
+  const Refusal refusal{objection->fault, remedy, map, objection->cause};
   if (!accepted) throw InputError(refusal);
   spdlog::warn("accepted: " + refusal.text());
   return refusal.fault;

@@ -81,7 +81,7 @@ Refusal contradiction(const MadeFile& file, const Origin& origin, const std::str
                       const Origin& differs) {
   return {fmt::format("was made with {} {}, {} is {}", origin.name, digits(origin), other,
                       digits(differs)),
-          fmt::format("run {} again", remedy(file.role, origin.role)), file.path};
+          fmt::format("run {} again", remedy(file.role, origin.role)), file.path, Cause::kForeign};
 }
 
 Origin block(Role role, const CellSettings& cell, const char* key, const std::string& content) {

@@ -49,7 +49,7 @@ const ToolTip& CellTools::tip(const std::string& name) {
                       names.empty() ? "teach one with planar-teach-tool, and name its file under "
                                       "`tools`"
                                     : fmt::format("known are {}", fmt::join(names, ", ")),
-                      cell_.file});
+                      cell_.file, Cause::kMissing});
   }
   const TaughtTip taught = read_tool_tip(tool->second);
   require_made_with({Role::kToolTip, tool->second}, tool_tip_origins(cell_), accepts_stale_);

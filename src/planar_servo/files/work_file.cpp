@@ -61,12 +61,12 @@ void require_apart(const std::vector<Fiducial>& marks, const fs::path& path) {
   Faults faults;
   if (marks.size() < 2)
     faults.add({"has one mark, which does not tell how the work is turned", "add one far from it",
-                path.string()});
+                path.string(), Cause::kInsufficient});
   for (std::size_t i = 0; i < marks.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
       if ((marks[i].p_W - marks[k].p_W).norm() < 0.5 * (marks[i].size + marks[k].size))
         faults.add({fmt::format("{} and {} overlap", marks[k].id, marks[i].id),
-                    "correct or leave out one of them", path.string()});
+                    "correct or leave out one of them", path.string(), Cause::kContradiction});
   faults.throw_if_any();
 }
 
@@ -114,7 +114,7 @@ void list_fields(Fields& fields, LaidWorks& laid) {
     fields.number("scale", scale);
     list_fields(fields, work);
   });
-  fields.check(!laid.works.empty(), {"names no work"});
+  fields.check(!laid.works.empty(), {"names no work", "", "", Cause::kMissing});
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ std::shared_ptr<const LaidWorks> read_works(const fs::path& path, const Calibrat
   if (had_map != uses_error_map(cell))
     accept_stale({StaleFile{{had_map ? "was found with the error map, which is not used now"
                                      : "was found without the error map, which is used now",
-                             "find it again as it is to be used", path},
+                             "find it again as it is to be used", path, Cause::kForeign},
                             path}},
                  accepts_stale);
   return works;

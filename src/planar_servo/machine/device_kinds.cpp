@@ -123,11 +123,12 @@ void check_drives(const CellSettings& cell, Faults& faults) {
   for (const DriveSettings& drive : cell.drives) {
     if (drive.kind != first)
       faults.add({fmt::format("drives have the kinds {} and {}", first->name(), drive.kind->name()),
-                  "the three joints need drives of one kind", file});
+                  "the three joints need drives of one kind", file, Cause::kContradiction});
     if (drive.kind->is_virtual() != cell.camera.kind->is_virtual())
       faults.add({fmt::format("camera.source is {}, but drives have the kind {}",
                               cell.camera.kind->name(), drive.kind->name()),
-                  "a virtual camera needs virtual drives, and a real one real drives", file});
+                  "a virtual camera needs virtual drives, and a real one real drives", file,
+                  Cause::kContradiction});
   }
 }
 
@@ -240,9 +241,10 @@ void require_devices(const CellSettings& cell) {
   if (cell.tracker.kind->is_virtual() && !is_virtual)
     faults.add({fmt::format("tracker.source is {}, but camera.source is {}",
                             cell.tracker.kind->name(), cell.camera.kind->name()),
-                "a virtual tracker measures in a virtual cell only", file});
+                "a virtual tracker measures in a virtual cell only", file, Cause::kContradiction});
   if (is_virtual && !cell.truth)
-    faults.add({"lacks the key 'virtual'", "a virtual cell needs its truth file", file});
+    faults.add(
+        {"lacks the key 'virtual'", "a virtual cell needs its truth file", file, Cause::kMissing});
   faults.throw_if_any();
 }
 

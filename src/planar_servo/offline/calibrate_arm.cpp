@@ -30,7 +30,7 @@ ArmReading reading_of(const Transmission& transmission, const PairRow& pair) {
         {fmt::format(
              "pair '{}' lacks its joints, its reflector or the tracker's standard deviation",
              pair.id),
-         "make the pairs with planar-pair-tracker"});
+         "make the pairs with planar-pair-tracker", "", Cause::kMissing});
   return {pair.id, pair.place, transmission.motors_from_joints(*pair.theta), *pair.p_reflector,
           *pair.sigma_tracker};
 }

@@ -26,7 +26,8 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
   Faults absent;
   for (const auto& path : images) {
     if (!std::filesystem::exists(path))
-      absent.add({"cannot be read: there is no such image or recording", "check the name", path});
+      absent.add({"cannot be read: there is no such image or recording", "check the name", path,
+                  Cause::kMissing});
     if (!std::filesystem::is_directory(path)) {
       pictures.push_back({path, std::nullopt});
       continue;
@@ -36,7 +37,8 @@ std::vector<Picture> pictures_of(const std::vector<std::filesystem::path>& image
       if (frame.plan == Purpose::kHeldBoard)
         pictures.push_back({path / frame.image, frame.region_px.tl()});
     if (pictures.size() == before)
-      throw InputError({"has no frame of plan 'grid' in its frames.csv", "", path});
+      throw InputError(
+          {"has no frame of plan 'grid' in its frames.csv", "", path, Cause::kMissing});
   }
   absent.throw_if_any();
   return pictures;

@@ -301,7 +301,7 @@ Frame whole_frame(const cv::Mat& image, const CellSettings& cell, const std::str
   if (image.size() != sensor_px)
     throw InputError({fmt::format("is {} x {} px, the cell's sensor {} x {}", image.cols,
                                   image.rows, sensor_px.width, sensor_px.height),
-                      "give whole pictures of the cell's camera", where});
+                      "give whole pictures of the cell's camera", where, Cause::kForeign});
   return {image, {{}, sensor_px}};
 }
 

@@ -200,7 +200,8 @@ std::optional<Refusal> distance_doubt(const LocateReport& report, double separat
                              report.wrong_distances.size(), *ratio * separation / kMillimetre,
                              separation / kMillimetre),
                  "measure the lamps and correct lamps.separation_mm in the cell file, or the link "
-                 "lengths if they are wrong"};
+                 "lengths if they are wrong",
+                 "", Cause::kContradiction};
 }
 
 ReportList locate_list(const LocateReport& report) {

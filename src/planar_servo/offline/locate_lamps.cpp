@@ -117,7 +117,8 @@ std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampL
         {fmt::format("{} whole frames show the lamps", whole.size()),
          fmt::format("at least 2 at different places are needed to tell the {} reference lamps of "
                      "the cell file from those of the tool: record with planar-record",
-                     layout.size())});
+                     layout.size()),
+         "", Cause::kInsufficient});
   LampDetector detector;
   std::vector<LampCenter> lights =
       lights_in(frame_of(*whole[0], sensor_px).image, detector, method);
@@ -135,7 +136,7 @@ std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampL
         {fmt::format(
              "{} lights stand still in {} whole frames, but the cell file names {} reference lamps",
              lights.size(), n + 1, layout.size()),
-         "uncover them, or name those that there are"});
+         "uncover them, or name those that there are", "", Cause::kInsufficient});
   lights.resize(layout.size());
   std::vector<ReferenceLamp> lamps;
   lamps.reserve(lights.size());
@@ -274,7 +275,7 @@ class Collector {
   LocateReport finish() {
     Faults faults;
     for (const std::string& fault : faults_)
-      if (!fault.empty()) faults.add({fault});
+      if (!fault.empty()) faults.add({fault, "", "", Cause::kForeign});
     faults.throw_if_any();
     LocateReport report;
     report.rows = std::move(rows_);

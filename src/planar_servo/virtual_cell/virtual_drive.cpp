@@ -211,13 +211,14 @@ void VirtualDrive::start_homing(HomeDirection /*direction*/) {
 }
 
 void VirtualDrive::set_position(std::int32_t position_pulses) {
-  if (moving()) throw WorkError("the virtual drive refuses a position: it moves");
+  if (moving()) throw WorkError("the virtual drive refuses a position: it moves", Cause::kDevice);
   counter_offset_pulses_ = position_pulses - shaft_pulses();
   position_certain_ = true;
 }
 
 void VirtualDrive::require_ready() const {
-  if (!energized_) throw WorkError("the virtual drive refuses to move: it is not energized");
+  if (!energized_)
+    throw WorkError("the virtual drive refuses to move: it is not energized", Cause::kDevice);
 }
 
 void VirtualDrive::turn_to(std::int32_t shaft_target_pulses) {

@@ -195,7 +195,8 @@ std::string counts_text(const std::vector<Fiducial>& drawing,
   throw WorkError({text,
                    "uncover it and clean it, or leave its row out of the drawing if it is not "
                    "there; a drawing of another work may fit by chance; where several works lie, "
-                   "--near picks one"});
+                   "--near picks one",
+                   "", Cause::kInsufficient});
 }
 
 /// Refuses a further place of the drawing that lacks a mark: several works, of which one is hidden
@@ -221,7 +222,7 @@ void refuse_doubled(const Matcher& matcher, const std::vector<Fiducial>& drawing
     throw WorkError(
         {fmt::format("two things look like {}: one at {}, one at {}", drawing[i].id,
                      place_mm(candidates[near[0]].p_B), place_mm(candidates[near[1]].p_B)),
-         "cover the one that is not the mark, such as a reflection"});
+         "cover the one that is not the mark, such as a reflection", "", Cause::kInsufficient});
   }
 }
 
@@ -240,7 +241,8 @@ std::vector<Constellation> match_constellation(const std::vector<Fiducial>& draw
                                    "it is",
                                    mirrored.front().found, drawing.size(), seen),
                        "change the sign of the drawing's x or y, which point right and up, seen "
-                       "from above, or turn the work over"});
+                       "from above, or turn the work over",
+                       "", Cause::kContradiction});
   }
   // Two of several marks lie anywhere by chance.
   if (seen < std::min<std::size_t>(drawing.size(), 3)) {
@@ -252,7 +254,8 @@ std::vector<Constellation> match_constellation(const std::vector<Fiducial>& draw
                      counts_text(drawing, candidates),
                      unlike.empty() ? "" : "; none is like " + unlike),
          "compare the drawing's distances, kinds and sizes with the work, see that nothing hides "
-         "its marks, and expose the picture so that they stand out"});
+         "its marks, and expose the picture so that they stand out",
+         "", Cause::kInsufficient});
   }
   if (seen < drawing.size()) refuse_missing(drawing, found.front());
   std::vector<Constellation> places;

@@ -72,7 +72,7 @@ Workplane plane_at(const Workplane& lamps, double z) {
   throw WorkError({fmt::format("{} is seen where the camera's model has no ray that meets its "
                                "plane, {:g} mm over that of the lamps",
                                mark.id, mm(mark.z)),
-                   "correct z_mm"});
+                   "correct z_mm", "", Cause::kContradiction});
 }
 
 /// Where vision sees marks at these pixels, as seen at calibration, at their heights over the
@@ -243,7 +243,8 @@ MeasuredMarks measure_marks(const Constellation& constellation,
       throw WorkError({fmt::format("{} is seen at ({}) px, but its outline cannot be measured",
                                    drawing[i].id, fixed(sight.uv_px, 1, ", ")),
                        "clean it, see that nothing touches it, and expose the picture so that it "
-                       "stands out"});
+                       "stands out",
+                       "", Cause::kInsufficient});
     means.push_back(*mean);
     take_off_eccentricity(vision, drawing[i], means.back());
   }
@@ -279,7 +280,7 @@ void add_lamps_share(WorkMarks& marks, const VisionCalibration& vision) {
                    "another unit or pitch, or the marks lie {:.1f} mm {} than z_mm = {:g} says",
                    scale, mm(std::abs((scale - 1.0) * (H - z))), scale > 1.0 ? "higher" : "lower",
                    mm(z)),
-       "measure their height, or allow a scale with --map similarity"});
+       "measure their height, or allow a scale with --map similarity", "", Cause::kContradiction});
 }
 
 [[noreturn]] void refuse_misfit(const WorkMarks& marks, const WorkFit& fit) {
@@ -290,7 +291,8 @@ void add_lamps_share(WorkMarks& marks, const VisionCalibration& vision) {
                    "can be told to be wrong",
                    marks.ids[static_cast<std::size_t>(worst)], mm(fit.residuals.col(worst).norm())),
        "compare the drawing with the work, see that it lies flat, or state a larger deviation of "
-       "the drawing with --drawing-sigma-mm"});
+       "the drawing with --drawing-sigma-mm",
+       "", Cause::kContradiction});
 }
 
 /// Fits the most general map that is allowed and that the marks demand. Throws WorkError naming a
@@ -302,8 +304,8 @@ WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
   doubted.own.diagonal().array() += sigma * sigma;
   const std::optional<WorkFit> rigid = fit_work(doubted, WorkMap::kRigid);
   if (!rigid)
-    throw WorkError(Refusal{"the marks do not determine where the work lies",
-                            "they must not all be in one place"});
+    throw WorkError({"the marks do not determine where the work lies",
+                     "they must not all be in one place", "", Cause::kInsufficient});
   // A map is stretched only where a rigid one leaves too much, and only as far as that helps.
   if (rigid->chance() >= kFalseAlarm) return *rigid;
   const bool may_scale = marks.size() > 2;  // two marks alone cannot tell a scale from a fault
@@ -318,7 +320,8 @@ WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
     throw WorkError({fmt::format("{} is {:.3f} mm from where the other marks put it",
                                  marks.ids[odd->mark], mm(odd->distance_m)),
                      "compare it with the drawing, look for a reflection or a mark of another "
-                     "work there, or leave its row out"});
+                     "work there, or leave its row out",
+                     "", Cause::kContradiction});
   if (!may_scale) {
     const double drawn = (marks.p_W.col(1) - marks.p_W.col(0)).norm();
     const double seen = (marks.p_B.col(1) - marks.p_B.col(0)).norm();
@@ -326,7 +329,8 @@ WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
         {fmt::format("{} and {} are {:.3f} mm apart, and {:.3f} mm in the drawing: one is not the "
                      "mark, the print is not to scale, or they lie at another height than z_mm",
                      marks.ids[0], marks.ids[1], mm(seen), mm(drawn)),
-         "measure their distance and height; a third mark would tell which"});
+         "measure their distance and height; a third mark would tell which", "",
+         Cause::kContradiction});
   }
   refuse_misfit(marks, *rigid);
 }
@@ -403,7 +407,8 @@ void number_works(std::vector<FoundWork>& works, const std::vector<Fiducial>& dr
   throw WorkError(
       {fmt::format("the drawing fits in {} ways; its origin would be at {}", found.size(), places),
        "say with --near X,Y,TURN which one is meant, take --all where each is a work "
-       "of its own, or give the drawing a mark that breaks its symmetry"});
+       "of its own, or give the drawing a mark that breaks its symmetry",
+       "", Cause::kInsufficient});
 }
 
 /// Returns whether two of these places share a mark, so that not each can be a work of its own.
@@ -463,7 +468,8 @@ std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCal
           {fmt::format("the mark at {} is about the bar's length from {} others, so that "
                        "nobody knows which is the bar's other end",
                        place_mm(candidates[mark].p_B), others.size()),
-           "lay one bar at a time, and clear away what looks like its marks"});
+           "lay one bar at a time, and clear away what looks like its marks", "",
+           Cause::kInsufficient});
   return bars;
 }
 
@@ -503,7 +509,7 @@ std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
     if (near.size() > 1)
       throw WorkError({fmt::format("{} of the base could be any of {} marks within {:g} mm of {}",
                                    mark.id, near.size(), mm(kNear), place_mm(mark.p_W)),
-                       "cover what looks like it"});
+                       "cover what looks like it", "", Cause::kInsufficient});
     if (near.empty()) continue;
     found.push_back(near.front());
     found.back().fiducial = mark;

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <thread>
 
+#include "support/refused.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
@@ -79,7 +80,8 @@ TEST_CASE("A claim survives that others in this program read and close the file"
 
 TEST_CASE("Claims upon a folder are refused") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(Claims(folder.path()), Catch::Contains("cannot be opened to read and write"));
+  CHECK_THROWS_MATCHES(Claims(folder.path()), InputError,
+                       test::Refused(Cause::kSystem, folder.path().string()));
 }
 
 }  // namespace

@@ -28,7 +28,9 @@ std::string lines(const std::vector<Refusal>& refusals, std::size_t n_more) {
 
 }  // namespace
 
-const char* to_text(Cause cause) { return name_in(kCauses, cause); }
+const char* to_text(Cause cause) {
+  return name_in(kCauses, cause);
+}
 
 std::string Refusal::text() const {
   return (where.empty() ? "" : where + ": ") + fault + (remedy.empty() ? "" : "; " + remedy);

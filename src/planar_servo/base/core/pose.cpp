@@ -62,12 +62,13 @@ Eigen::Transform<double, N, Eigen::Isometry> fit_rigid(const Points<N>& p_A, con
     throw InputError({"a point is not finite", "", "rigid fit"});
   if (p_A.cols() < N)
     throw InputError({std::to_string(p_A.cols()) + " points",
-                      "at least " + std::to_string(N) + " are needed", "rigid fit"});
+                      "at least " + std::to_string(N) + " are needed", "rigid fit",
+                      Cause::kInsufficient});
   const Eigen::Vector<double, N> mean_A = p_A.rowwise().mean(), mean_B = p_B.rowwise().mean();
   const Points<N> centred_A = p_A.colwise() - mean_A, centred_B = p_B.colwise() - mean_B;
   if (!span_enough<N>(centred_A) || !span_enough<N>(centred_B))
     throw InputError({N == 2 ? "all points are in one place" : "the points lie on one line",
-                      N == 2 ? "" : "move one of them off it", "rigid fit"});
+                      N == 2 ? "" : "move one of them off it", "rigid fit", Cause::kInsufficient});
   const SingularValues svd = singular_values(centred_B * centred_A.transpose());
   const Eigen::Matrix<double, N, N> U = svd.U, V = svd.V;
   Eigen::Vector<double, N> signs = Eigen::Vector<double, N>::Ones();

@@ -110,7 +110,7 @@ void require_kind(const fs::path& path, std::string_view kind) {
   throw InputError({fmt::format("is {}, which this output would replace",
                                 present.empty() ? "a file of another program or of a person"
                                                 : "a file of planar-servo/" + present),
-                    "name another file, or remove that one", path});
+                    "name another file, or remove that one", path, Cause::kExists});
 }
 
 bool ends_with_line(const fs::path& path) {
@@ -122,7 +122,7 @@ bool ends_with_line(const fs::path& path) {
   throw InputError({"holds something else already",
                     "move it away, or name another file; another version of this program may have "
                     "written it, with other columns",
-                    path});
+                    path, Cause::kForeign});
 }
 
 /// Throws unless the file begins with the header's first line and has its last, the columns.
@@ -195,7 +195,7 @@ void write_file(const fs::path& path, std::string_view text) {
     throw WorkError(
         {"cannot be written",
          "make sure that the folder exists, that you may write there and that the disk is not full",
-         path});
+         path, Cause::kSystem});
   }
   if (in_place) return;
   fs::rename(temporary, path, error);
@@ -203,7 +203,7 @@ void write_file(const fs::path& path, std::string_view text) {
   const std::string reason =
       (error ? error : std::error_code(errno, std::generic_category())).message();
   fs::remove(temporary, error);
-  throw WorkError({"cannot be put in place: " + reason, "", path});
+  throw WorkError({"cannot be put in place: " + reason, "", path, Cause::kSystem});
 }
 
 std::ifstream open_file(const fs::path& path) {
@@ -211,7 +211,9 @@ std::ifstream open_file(const fs::path& path) {
   if (fs::is_directory(path, error))
     throw InputError({"is a folder", "a file is needed here", path});
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError({"cannot be read", "check the name and the permissions", path});
+  if (!in)
+    throw InputError({"cannot be read", "check the name and the permissions", path,
+                      fs::exists(path, error) ? Cause::kSystem : Cause::kMissing});
   spdlog::debug(fmt::format("reading {}", path.string()));
   return in;
 }
@@ -221,15 +223,16 @@ std::string read_file(const fs::path& path) {
   try {
     return {std::istreambuf_iterator<char>(in), {}};
   } catch (const std::ios_base::failure&) {
-    throw InputError(
-        {"cannot be read to its end", "check the disk or network where it lies", path});
+    throw InputError({"cannot be read to its end", "check the disk or network where it lies", path,
+                      Cause::kSystem});
   }
 }
 
 void require_not_input(const fs::path& output, const fs::path& input) {
   std::error_code error;
   if (fs::exists(output, error) && fs::equivalent(output, input, error))
-    throw InputError({"is an input of this program", "name another output", output});
+    throw InputError(
+        {"is an input of this program", "name another output", output, Cause::kExists});
 }
 
 void require_outputs(const std::vector<std::pair<fs::path, const char*>>& outputs,
@@ -237,7 +240,7 @@ void require_outputs(const std::vector<std::pair<fs::path, const char*>>& output
   std::set<fs::path> files;
   for (const auto& [output, kind] : outputs)
     if (!output.empty() && !files.insert(fs::weakly_canonical(fs::absolute(output))).second)
-      throw InputError({"two outputs have this name", "give each its own", output});
+      throw InputError({"two outputs have this name", "give each its own", output, Cause::kExists});
   for (const auto& [output, kind] : outputs) {
     if (output.empty()) continue;
     for (const fs::path& input : inputs) require_not_input(output, input);
@@ -256,22 +259,22 @@ void require_writable(const fs::path& output, std::string_view kind) {
     throw InputError({"is a folder", "name the file to write", output});
   if (!fs::is_directory(folder, error))
     throw InputError({"cannot be written: there is no folder '" + folder.string() + "'",
-                      "make it or name another place", output});
+                      "make it or name another place", output, Cause::kMissing});
   if (access(is_device_or_pipe(output) ? output.c_str() : folder.c_str(), W_OK) != 0)
     throw InputError({"cannot be written: you may not write in '" + folder.string() + "'",
-                      "name another place", output});
+                      "name another place", output, Cause::kSystem});
 }
 
 FolderLock::FolderLock(const std::filesystem::path& folder)
     : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (descriptor_ < 0)
     throw InputError({"cannot be opened: " + std::generic_category().message(errno),
-                      "name a folder that you may read", folder});
+                      "name a folder that you may read", folder, Cause::kSystem});
   // A file system without locks is used as it is.
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(descriptor_);
-  throw InputError(
-      {"another program writes there now", "wait until it ends or name another folder", folder});
+  throw InputError({"another program writes there now", "wait until it ends or name another folder",
+                    folder, Cause::kBusy});
 }
 
 FolderLock::~FolderLock() {
@@ -292,7 +295,8 @@ void require_growable(const fs::path& path) {
   require_no_link(path);
   if (!is_there(path)) return require_writable(path, {});
   if (!std::ofstream(path, std::ios::app))
-    throw InputError({"cannot be added to", "a file that you may write is needed", path});
+    throw InputError(
+        {"cannot be added to", "a file that you may write is needed", path, Cause::kSystem});
 }
 
 void drop_torn_line(const fs::path& path, const std::string& header) {
@@ -305,7 +309,8 @@ void drop_torn_line(const fs::path& path, const std::string& header) {
   std::error_code error;
   fs::resize_file(path, whole, error);
   if (error)
-    throw InputError({"its last line is torn and cannot be cut off: " + error.message(), "", path});
+    throw InputError({"its last line is torn and cannot be cut off: " + error.message(), "", path,
+                      Cause::kSystem});
 }
 
 void require_header(const fs::path& path, const std::string& header) {
@@ -325,7 +330,7 @@ bool holds_no_row(const fs::path& path, const std::string& header) {
 void GrowingFile::append(const std::string& lines, Durability durability) {
   const int file = open(path_.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
   if (file < 0 || !write_and_close(file, lines, durability))
-    throw WorkError({"cannot be written", "is the disk full?", path_});
+    throw WorkError({"cannot be written", "is the disk full?", path_, Cause::kSystem});
 }
 
 void make_folder(const fs::path& path) {
@@ -335,8 +340,8 @@ void make_folder(const fs::path& path) {
   if (!fs::exists(above, error)) make_folder(above);
   if (fs::create_directory(path, error)) sync_folder(above);
   if (error)
-    throw InputError(
-        {"cannot be made: " + error.message(), "name a folder where you may write", path});
+    throw InputError({"cannot be made: " + error.message(), "name a folder where you may write",
+                      path, Cause::kSystem});
 }
 
 }  // namespace planar

@@ -103,7 +103,7 @@ std::optional<Refusal> later_change(const std::filesystem::path& path, const std
   return Refusal{
       "was changed after it had been written: its checksum is not that of its content",
       "make it again, or, where the change is meant, run planar-doctor --seal " + path.string(),
-      path};
+      path, Cause::kForeign};
 }
 
 void require_unchanged(const std::filesystem::path& path, const std::string& text) {

@@ -124,7 +124,7 @@ bool CsvTable::take_line(std::string_view line, int line_number) {
     const std::string_view format = trimmed(remark.substr(kFormatMark.size()));
     if (format != format_)
       throw InputError({fmt::format("is of format '{}'", format),
-                        fmt::format("'{}' is needed here", format_), row()});
+                        fmt::format("'{}' is needed here", format_), row(), Cause::kForeign});
   }
   if (line_.find_first_not_of(",;\t ") == std::string::npos || !remark.empty()) return false;
   if (!has_header() && line_.size() == 5 && starts_with(line_, "sep=")) {
@@ -201,7 +201,7 @@ void CsvTable::read_header() {
     if (!has(fields_, their_name))
       throw InputError(
           {fmt::format("there is no column '{}' to be read as {}", their_name, our_name),
-           fmt::format("there are {}", fmt::join(fields_, ", ")), row()});
+           fmt::format("there are {}", fmt::join(fields_, ", ")), row(), Cause::kMissing});
     ours[their_name] = our_name;
   }
   std::vector<std::string> columns;
@@ -209,8 +209,8 @@ void CsvTable::read_header() {
     const auto renamed = ours.find(name);
     const std::string column(renamed == ours.end() ? name : renamed->second);
     if (has(columns, column))
-      throw InputError(
-          {fmt::format("the column '{}' stands twice in the header", column), "", row()});
+      throw InputError({fmt::format("the column '{}' stands twice in the header", column), "",
+                        row(), Cause::kExists});
     columns.push_back(column);
   }
   require_columns(columns);
@@ -234,7 +234,7 @@ void CsvTable::require_columns(const std::vector<std::string>& columns) const {
       {fmt::format("lacks the column{} {}", missing.size() > 1 ? "s" : "", joined(missing)),
        fmt::format("needed are {}; it has {}{}{}{}", required_columns(), joined(columns), hint,
                    misnamed.empty() ? "" : "; ", joined(misnamed)),
-       source_});
+       source_, Cause::kMissing});
 }
 
 std::string CsvTable::required_columns() const {
@@ -292,7 +292,7 @@ void CsvTable::require_id_not_in(const std::set<std::string>& taken) {
   if (id.empty())
     add_fault({"id is empty", "every row needs one"});
   else if (taken.count(id) != 0)
-    add_fault({fmt::format("the id '{}' stands twice", id), "ids must differ"});
+    add_fault({fmt::format("the id '{}' stands twice", id), "ids must differ", "", Cause::kExists});
 }
 
 std::string CsvTable::row() const {
@@ -313,7 +313,7 @@ void CsvTable::throw_if_faulty() {
 
 void CsvTable::throw_if_faulty_or_empty(const std::string& remedy) {
   throw_if_faulty();
-  if (rows_ == 0) throw InputError({"has no rows", remedy, source_});
+  if (rows_ == 0) throw InputError({"has no rows", remedy, source_, Cause::kMissing});
 }
 
 CsvFile::CsvFile(const CsvSource& source, const std::string& kind,
@@ -327,7 +327,7 @@ CsvFile::CsvFile(const CsvSource& source, const std::string& kind,
       throw InputError(
           {"is empty",
            fmt::format("a header line with the columns {} is needed", required_columns()),
-           source.path});
+           source.path, Cause::kMissing});
     take_line(buffer_, line_begin_);
     throw_if_faulty();
   }

@@ -41,7 +41,8 @@ bool is_input(int descriptor) {
 [[noreturn]] void nobody_answers(const std::string& question, const std::string& why) {
   throw WorkError(
       {fmt::format("nobody answers '{}': {}", trimmed(question), why),
-       "start the program in a terminal, or give tracker.source file or tcp with a column id"});
+       "start the program in a terminal, or give tracker.source file or tcp with a column id", "",
+       Cause::kMissing});
 }
 
 constexpr double kShortWork_s = 1.0;
@@ -99,7 +100,8 @@ std::string Terminal::ask(const std::string& question) {
     const ssize_t n = read(in_, &letter, 1);
     if (n == 0) nobody_answers(question, "standard input has ended");
     if (n < 0 && errno == EINTR)
-      throw WorkError({fmt::format("left at '{}'", trimmed(question)), "start again to continue"});
+      throw WorkError({fmt::format("left at '{}'", trimmed(question)), "start again to continue",
+                       "", Cause::kStopped});
     if (n < 0) nobody_answers(question, fmt::format("standard input: {}", std::strerror(errno)));
     if (letter == '\n') return std::string(trimmed(line));
     line += letter;

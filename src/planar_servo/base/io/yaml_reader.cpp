@@ -70,7 +70,8 @@ void require_format(const std::filesystem::path& path, const YAML::Node& root,
   const YAML::Node found = root["format"];
   if (found.IsDefined() && found.IsScalar() && found.Scalar() == format) return;
   throw InputError({found.IsDefined() ? "is of format " + shown(found) : "is without a format",
-                    fmt::format("it needs the line 'format: {}'", format), path.string() + ":1:1"});
+                    fmt::format("it needs the line 'format: {}'", format), path.string() + ":1:1",
+                    found.IsDefined() ? Cause::kForeign : Cause::kMissing});
 }
 
 }  // namespace
@@ -135,7 +136,8 @@ struct YamlReader::Impl {
       return {YAML::Node(YAML::NodeType::Undefined), name};
     }
     Place value{find(key), name};
-    if (!value.present()) fault(map, {fmt::format("{} lacks the key '{}'", map.title(), key)});
+    if (!value.present())
+      fault(map, {fmt::format("{} lacks the key '{}'", map.title(), key), "", "", Cause::kMissing});
     return value;
   }
 
@@ -206,7 +208,8 @@ struct YamlReader::Impl {
         const std::string key = entry.first.Scalar();
         const std::string name = name_in_map(place, key);
         if (!seen.insert(key).second)
-          add_fault(entry.first.Mark(), {fmt::format("the key '{}' stands twice", name)});
+          add_fault(entry.first.Mark(),
+                    {fmt::format("the key '{}' stands twice", name), "", "", Cause::kExists});
         if (strict && !map.any_key &&
             std::find(map.asked.begin(), map.asked.end(), key) == map.asked.end())
           add_fault(entry.first.Mark(),

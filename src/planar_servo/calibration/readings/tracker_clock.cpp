@@ -307,10 +307,10 @@ std::optional<Candidate> candidate_of(double offset_s, double middle_s,
   return candidate;
 }
 
-[[noreturn]] void refuse_clock(const std::string& why) {
+[[noreturn]] void refuse_clock(const std::string& why, Cause cause = Cause::kInsufficient) {
   throw InputError({"its clock cannot be related to the camera's: " + why,
                     "check that the column t of the tracker's table is in seconds, or pair by id",
-                    "tracker"});
+                    "tracker", cause});
 }
 
 }  // namespace
@@ -333,7 +333,8 @@ TrackerClock estimate_tracker_clock(const std::vector<LampSight>& frames,
     if (candidate && candidate->share < kFollowingShare) following.push_back(std::move(*candidate));
   }
   if (following.empty())
-    refuse_clock("no offset makes the readings follow the lamps at ten places or more");
+    refuse_clock("no offset makes the readings follow the lamps at ten places or more",
+                 Cause::kContradiction);
   std::sort(following.begin(), following.end(), [](const Candidate& a, const Candidate& b) {
     return static_cast<double>(a.meetings.size()) * (1.0 - a.share) >
            static_cast<double>(b.meetings.size()) * (1.0 - b.share);

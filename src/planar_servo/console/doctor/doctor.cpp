@@ -63,12 +63,12 @@ std::vector<Finding> question_field(const CellSettings& cell, const Workplane& w
   const double percent =
       100.0 * static_cast<double>(unseen.size()) / static_cast<double>(places.size());
   const Eigen::Vector2d example_mm = unseen.front() / kMillimetre;
-  return {
-      {{fmt::format("the camera does not see {:.0f} % of the places that workspace and joints "
-                    "allow, such as ({:.0f}, {:.0f}) mm",
-                    std::ceil(percent), example_mm.x(), example_mm.y()),
-        "make workspace.radius_max_mm smaller, or raise the camera and calibrate again", kSubject},
-       Finding::Verdict::kDoubtful}};
+  return {{{fmt::format("the camera does not see {:.0f} % of the places that workspace and joints "
+                        "allow, such as ({:.0f}, {:.0f}) mm",
+                        std::ceil(percent), example_mm.x(), example_mm.y()),
+            "make workspace.radius_max_mm smaller, or raise the camera and calibrate again",
+            kSubject, Cause::kUnreachable},
+           Finding::Verdict::kDoubtful}};
 }
 
 using Verdict = Finding::Verdict;
@@ -82,12 +82,13 @@ std::string origin_text(const std::filesystem::path& file) {
   return fmt::format("made by {} from {}", maker, fmt::join(names, ", "));
 }
 
-Finding examine_file(const MadeFile& file, bool is_stale) {
+Finding examine_file(const MadeFile& file, const std::vector<Finding>& reasons) {
   const std::string name = file.path.filename().string();
   if (!std::filesystem::exists(file.path))
     return {{fmt::format("does not exist yet; {} makes it", program_for(file.role)), "", name},
             Verdict::kWell};
-  return {{origin_text(file.path), "", name}, is_stale ? Verdict::kFaulty : Verdict::kWell};
+  if (reasons.empty()) return {{origin_text(file.path), "", name}, Verdict::kWell};
+  return {{origin_text(file.path), "", name, reasons.front().cause}, Verdict::kFaulty};
 }
 
 /// Reads a file as the programs that use it do, which throws InputError where they would. Some
@@ -130,7 +131,8 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
         name, *against,
         "record more places and fit again; planar-servo moves by it only with --accept-map")};
   } catch (const InputError& error) {
-    return {{{error.what(), fmt::format("make it again with {}", program_for(file.role)), name},
+    return {{{error.what(), fmt::format("make it again with {}", program_for(file.role)), name,
+              error.refusal().cause},
              Verdict::kFaulty}};
   }
 }
@@ -152,7 +154,7 @@ std::vector<Finding> question_installations(const fs::path& own, const std::stri
                     own.string(), fmt::join(others, " and ")),
         "name the folder in each command, or remove one: apt remove planar-servo removes the "
         "package, and what a checkout installed is listed in build/release/install_manifest.txt",
-        "programs"},
+        "programs", Cause::kExists},
        Finding::Verdict::kDoubtful}};
 }
 
@@ -172,7 +174,7 @@ std::vector<Finding> examine_files(const CellSettings& cell) {
     std::vector<Finding> reasons = examine_content(cell, file);
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path) reasons.push_back(faulty(file.path.filename().string(), stale));
-    findings.push_back(examine_file(file, !reasons.empty()));
+    findings.push_back(examine_file(file, reasons));
     findings.insert(findings.end(), reasons.begin(), reasons.end());
   }
   return findings;
@@ -183,7 +185,8 @@ std::vector<Finding> question_camera_field(const CellSettings& cell) {
   try {
     return question_field(cell, {read_cell_camera(cell), read_workplane(cell.workplane).X_WC});
   } catch (const InputError& error) {
-    return {{{error.what(), "make the file again, or name another one in the cell file", kSubject},
+    return {{{error.what(), "make the file again, or name another one in the cell file", kSubject,
+              error.refusal().cause},
              Finding::Verdict::kFaulty}};
   }
 }
@@ -192,9 +195,9 @@ std::vector<Finding> examine_lamps(FrameSource& camera) {
   camera.set_region({{}, camera.sensor_size_px()});
   const FrameResult seen = camera.next_frame();
   if (seen.status != FrameStatus::kOk)
-    return {
-        {{fmt::format("no picture: {}", name(seen.status)), "look at the camera again", "lamps"},
-         Finding::Verdict::kDoubtful}};
+    return {{{fmt::format("no picture: {}", name(seen.status)), "look at the camera again", "lamps",
+              Cause::kDevice},
+             Finding::Verdict::kDoubtful}};
   const auto lamps = sight_lamps(seen.frame, {});
   if (!lamps)
     return {{{"no two lamps are in view, whose levels would be shown here", "", "lamps"},
@@ -254,11 +257,13 @@ std::string findings_text(const std::vector<Finding>& findings) {
 
 nlohmann::json findings_json(const std::vector<Finding>& findings) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const Finding& finding : findings)
+  for (const Finding& finding : findings) {
     rows.push_back({{"verdict", name_in(kVerdicts, finding.verdict)},
                     {"subject", finding.where},
                     {"what", finding.fault},
                     {"remedy", finding.remedy}});
+    if (finding.verdict != Verdict::kWell) rows.back()["cause"] = to_text(finding.cause);
+  }
   return {{"findings", rows}};
 }
 

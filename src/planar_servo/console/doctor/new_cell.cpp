@@ -154,7 +154,8 @@ void write_new_cell(const std::filesystem::path& path, const std::string& drives
     throw InputError({fmt::format("drives of kind '{}' are not known", drives),
                       fmt::format("name one of {}", fmt::join(new_cell_drives(), ", "))});
   if (std::filesystem::exists(std::filesystem::symlink_status(path)))
-    throw InputError({"exists already", "name another file or remove it first", path});
+    throw InputError(
+        {"exists already", "name another file or remove it first", path, Cause::kExists});
   require_writable(path, "cell");
   write_file(path, new_cell_text(**kind));
 }

@@ -28,9 +28,10 @@ std::string reason() {
   return text == nullptr ? "unknown" : text;
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what, Cause cause) {
   throw InputError({"is no " + what + ": " + reason(),
-                    "make a certificate and its key together, in PEM form", file});
+                    "make a certificate and its key together, in PEM form", file,
+                    access(file.c_str(), F_OK) == 0 ? cause : Cause::kMissing});
 }
 
 void require_valid_now(const X509& certificate, const std::filesystem::path& file) {
@@ -146,15 +147,15 @@ class SocketStream final : public httplib::Stream {
 
 Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& key)
     : context_(SSL_CTX_new(TLS_server_method()), SSL_CTX_free) {
-  if (!context_) throw WorkError("OpenSSL gives no context: " + reason());
+  if (!context_) throw WorkError("OpenSSL gives no context: " + reason(), Cause::kSystem);
   SSL_CTX_set_min_proto_version(context_.get(), TLS1_2_VERSION);
   SSL_CTX_set_mode(context_.get(),
                    SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
   if (SSL_CTX_use_certificate_chain_file(context_.get(), certificate.c_str()) != 1)
-    refuse(certificate, "certificate");
+    refuse(certificate, "certificate", Cause::kInvalid);
   if (SSL_CTX_use_PrivateKey_file(context_.get(), key.c_str(), SSL_FILETYPE_PEM) != 1 ||
       SSL_CTX_check_private_key(context_.get()) != 1)
-    refuse(key, "key of this certificate");
+    refuse(key, "key of this certificate", Cause::kForeign);
   require_valid_now(*SSL_CTX_get0_certificate(context_.get()), certificate);
 }
 
@@ -166,7 +167,7 @@ bool Tls::is_for(const std::string& host) const {
 
 TlsSession::TlsSession(const Tls& tls, int socket) : session_(SSL_new(tls.context()), SSL_free) {
   if (!session_ || SSL_set_fd(session_.get(), socket) != 1)
-    throw WorkError("OpenSSL gives no session: " + reason());
+    throw WorkError("OpenSSL gives no session: " + reason(), Cause::kSystem);
 }
 
 long TlsSession::accept(const SocketWait& wait) {
@@ -214,7 +215,8 @@ ListeningPort::ListeningPort(const std::string& address, int port) : number_(por
     number_ = -1;
   if (number_ < 0)
     throw InputError({fmt::format("port {} of {} is taken or not allowed", port, address),
-                      "end the program that listens there, or name another one with --port"});
+                      "end the program that listens there, or name another one with --port", "",
+                      Cause::kSystem});
   ::listen(svr_sock_, kBacklog);
   // A client may be gone between poll() and accept().
   fcntl(svr_sock_, F_SETFL, fcntl(svr_sock_, F_GETFL) | O_NONBLOCK);

@@ -58,14 +58,14 @@ void refuse(httplib::Response& response, int status, const std::vector<Refusal>&
 void refuse(httplib::Response& response, const std::exception_ptr& fault) {
   try {
     std::rethrow_exception(fault);
-  } catch (const CellBusy& e) {
-    refuse(response, 409, {e.refusal()});
   } catch (const InputError& e) {
     refuse(response, 400, e.refusals());
   } catch (const WorkError& e) {
-    refuse(response, 500, {e.refusal()});
+    const Cause cause = e.refusal().cause;
+    const bool must_wait = cause == Cause::kBusy || cause == Cause::kStopped;
+    refuse(response, must_wait ? 409 : 500, {e.refusal()});
   } catch (const std::exception& e) {
-    refuse(response, 500, {Refusal{e.what()}});
+    refuse(response, 500, {Refusal{e.what(), "", "", Cause::kSystem}});
   }
 }
 
@@ -109,7 +109,8 @@ nlohmann::ordered_json body_of(const httplib::Request& request,
           {fmt::format("has no key '{}'", name),
            keys.empty() ? "send {}" : fmt::format("there are {}", fmt::join(keys, ", ")), "body"});
     if (!met.insert(name).second)
-      throw InputError({fmt::format("has '{}' twice", name), "send it once", "body"});
+      throw InputError(
+          {fmt::format("has '{}' twice", name), "send it once", "body", Cause::kExists});
     return true;
   };
   Json body = Json::parse(request.body.empty() ? "{}" : request.body, meet, false);
@@ -170,7 +171,8 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
     const char* fault = response.status == 413   ? "the body is larger than 1 MiB"
                         : response.status == 404 ? "there is nothing of this name"
                                                  : "the request is not understood";
-    refuse(response, response.status, {{fault, "see doc/api.md", request.path}});
+    const Cause cause = response.status == 404 ? Cause::kMissing : Cause::kInvalid;
+    refuse(response, response.status, {{fault, "see doc/api.md", request.path, cause}});
   });
   answer_get("/api/cell", [this](const Request& request) { return this->cell(request); });
   answer_get("/api/state", [this](const Request& request) { return state(request); });
@@ -228,7 +230,8 @@ bool ConsoleApi::admit(const Request& request, Response& response) {
     return false;
   }
   refuse(response, 429,
-         {{"too many requests", fmt::format("at most {:.0f} a second are answered", kRequests_s)}});
+         {{"too many requests", fmt::format("at most {:.0f} a second are answered", kRequests_s),
+           "", Cause::kBusy}});
   return false;
 }
 
@@ -276,7 +279,7 @@ void ConsoleApi::serve_events() {
       --streams_;
       return refuse(response, 503,
                     {{fmt::format("{} readers follow the events already", kMostStreams),
-                      "close some of their pages"}});
+                      "close some of their pages", "", Cause::kBusy}});
     }
     auto reader = std::make_shared<StateBoard::Reader>();
     const std::string client = request.get_param_value("client");
@@ -310,7 +313,8 @@ void ConsoleApi::serve_page() {
 
 void ConsoleApi::serve_report(const std::string& name, Response& response) {
   const auto file = served_file(cell_.folder(), name);
-  if (!file) return refuse(response, 404, {{"there is no report of this name", "", name}});
+  if (!file)
+    return refuse(response, 404, {{"there is no report of this name", "", name, Cause::kMissing}});
   response.set_header("Content-Security-Policy", kReportPolicy);
   response.set_content(read_file(file->path), file->type);
 }

@@ -98,7 +98,8 @@ ConsoleOrders::Json ConsoleOrders::take_floor(const Json& body, const Sender& se
     set_floor(client);
   }
   if (worker_.hand_over() && !worker_.wait_for_rest(kTakeOver_s))
-    throw CellBusy(Refusal{"what was under way has not come to rest", "look at the arm"});
+    throw WorkError(
+        {"what was under way has not come to rest", "look at the arm", "", Cause::kBusy});
   return {{"operator", client}, {"stops", board_.state().stops}};
 }
 
@@ -232,7 +233,8 @@ void ConsoleOrders::require_floor(const std::string& client) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (mover_.empty()) set_floor(client);
   if (mover_ != client)
-    throw CellBusy(Refusal{"another page or program moves this cell", "take over, which stops it"});
+    throw WorkError(
+        {"another page or program moves this cell", "take over, which stops it", "", Cause::kBusy});
 }
 
 void ConsoleOrders::set_floor(const std::string& client) {

@@ -84,7 +84,7 @@ class ConsoleOrders {
   Json step(const Json& body, const Sender& sender);
 
  private:
-  /// Gives a free floor to the client. Throws CellBusy when another one has it.
+  /// Gives a free floor to the client. Throws WorkError, kBusy, when another has it.
   void require_floor(const std::string& client);
   void set_floor(const std::string& client);
 

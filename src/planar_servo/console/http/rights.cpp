@@ -17,7 +17,7 @@ constexpr char kJsonType[] = "application/json";
 std::string new_token() {
   std::array<unsigned char, kTokenBytes> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw WorkError("the system gives no random bytes");
+    throw WorkError("the system gives no random bytes", Cause::kSystem);
   return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 

@@ -36,7 +36,7 @@ void require_near(const DrawnPlace& place, const std::string& where) {
   for (const auto& p : {std::optional(place.p), place.via})
     if (p && !(p->norm() <= kFarthest_m))
       throw InputError({fmt::format("has a place {:g} m from the base", p->norm()),
-                        "no arm reaches it: is the unit right?", where});
+                        "no arm reaches it: is the unit right?", where, Cause::kUnreachable});
 }
 
 /// Returns the places by which an arc that hardly bends is gone straight, within a micrometre; its
@@ -105,13 +105,14 @@ Path path_of(const Drawing& drawing, double tool_orientation, const std::string&
     for (const DrawnPlace& place : stroke) add_place(place, tool_orientation, where, waypoints);
   if (waypoints.size() < 2)
     throw InputError({"has no way to follow, only single places or nothing",
-                      "draw lines or arcs, or give it as --targets", where});
+                      "draw lines or arcs, or give it as --targets", where, Cause::kMissing});
   return Path(waypoints);
 }
 
 std::vector<TargetRow> targets_of(const Drawing& drawing, const std::string& where) {
   if (drawing.points.empty())
-    throw InputError({"has no points", "draw points, or give it as --path", where});
+    throw InputError(
+        {"has no points", "draw points, or give it as --path", where, Cause::kMissing});
   std::vector<TargetRow> targets;
   targets.reserve(drawing.points.size());
   for (const DrawnPlace& point : drawing.points) {

@@ -106,8 +106,9 @@ class DxfPieces {
   }
 
  private:
-  void refuse(const Entity& entity, const std::string& fault, const std::string& remedy) {
-    faults.add({fault, remedy, fmt::format("{}:{}", file_, entity.line)}, entity.kind);
+  void refuse(const Entity& entity, const std::string& fault, const std::string& remedy,
+              Cause cause = Cause::kInvalid) {
+    faults.add({fault, remedy, fmt::format("{}:{}", file_, entity.line), cause}, entity.kind);
   }
 
   void add(const Entity& entity) {
@@ -233,7 +234,7 @@ class DxfPieces {
     const auto number = number_of(entity, code);
     if (!number)
       refuse(entity, fmt::format("a {} lacks its group {}", entity.kind, code),
-             "save the drawing again");
+             "save the drawing again", Cause::kMissing);
     return number.value_or(0.0);
   }
 
@@ -332,7 +333,8 @@ double unit_of(const DxfPieces& pieces, const DrawingSettings& settings, const s
     throw InputError({pieces.unit && *pieces.unit != 0
                           ? fmt::format("its unit is number {} of $INSUNITS", *pieces.unit)
                           : std::string("its header names no unit ($INSUNITS)"),
-                      "say it with --drawing-unit, such as mm or inch", file});
+                      "say it with --drawing-unit, such as mm or inch", file,
+                      pieces.unit.value_or(0) != 0 ? Cause::kInvalid : Cause::kMissing});
   return *stated;
 }
 
@@ -341,7 +343,8 @@ void require_layers(const DxfPieces& pieces, const DrawingSettings& settings,
   for (const std::string& layer : settings.layers)
     if (pieces.layers_seen.count(layer) == 0)
       throw InputError({fmt::format("nothing is drawn on a layer '{}'", layer),
-                        fmt::format("there are {}", fmt::join(pieces.layers_seen, ", ")), file});
+                        fmt::format("there are {}", fmt::join(pieces.layers_seen, ", ")), file,
+                        Cause::kMissing});
 }
 
 /// Says what is not gone, and what is gone though it is not drawn.
@@ -366,7 +369,8 @@ Drawing read_dxf(const std::filesystem::path& path, const DrawingSettings& setti
   pieces.take(groups_of(read_file(path), file));
   pieces.faults.throw_if_any();
   if (pieces.layers_seen.empty())
-    throw InputError({"has no entities", "save the drawing as ASCII DXF with its model", file});
+    throw InputError(
+        {"has no entities", "save the drawing as ASCII DXF with its model", file, Cause::kMissing});
   require_layers(pieces, settings, file);
   Drawing drawing;
   const double unit_m = unit_of(pieces, settings, file, drawing.remarks);

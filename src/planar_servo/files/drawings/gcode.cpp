@@ -77,8 +77,8 @@ class GcodeProgram {
   }
 
  private:
-  void refuse(const std::string& fault, const std::string& remedy) {
-    faults_.add({fault, remedy, fmt::format("{}:{}", source_, line_)});
+  void refuse(const std::string& fault, const std::string& remedy, Cause cause = Cause::kInvalid) {
+    faults_.add({fault, remedy, fmt::format("{}:{}", source_, line_), cause});
   }
 
   std::vector<Word> words_of(const std::string& code) {
@@ -112,7 +112,7 @@ class GcodeProgram {
       take_feed(number);
     } else if (std::strchr("XYIJRP", letter) != nullptr) {
       if (!numbers_.emplace(letter, number).second)
-        refuse(fmt::format("has {} twice", letter), "say it once a line");
+        refuse(fmt::format("has {} twice", letter), "say it once a line", Cause::kExists);
     } else if (letter == 'Z') {
       refuse("moves Z, and a planar arm has none", "write the program for two axes");
     } else {
@@ -159,7 +159,7 @@ class GcodeProgram {
     else if (feed_m_s_ && *feed_m_s_ != feed_m_s)
       refuse(fmt::format("the feed changes from {:g} to {:g} mm/s", *feed_m_s_ / kMillimetre,
                          feed_m_s / kMillimetre),
-             "a path has one speed: divide the program, or leave F out");
+             "a path has one speed: divide the program, or leave F out", Cause::kContradiction);
     else
       feed_m_s_ = feed_m_s;
   }
@@ -172,20 +172,24 @@ class GcodeProgram {
   void rest() {
     const auto seconds = numbers_.find('P');
     constexpr double kLongest_s = 3600.0;
-    if (numbers_.size() > 1) return refuse("waits and moves at once", "give G4 a line of its own");
+    if (numbers_.size() > 1)
+      return refuse("waits and moves at once", "give G4 a line of its own", Cause::kContradiction);
     if (seconds == numbers_.end() || !(seconds->second >= 0.0 && seconds->second <= kLongest_s))
       return refuse("G4 needs P, a time of at most an hour in seconds", "such as G4 P0.5");
     if (!stroke_.empty()) stroke_.back().rest_s += seconds->second;
   }
 
   void move() {
-    if (!motion_) return refuse("moves, but no G0 to G3 says how", "begin with G0 or G1");
+    if (!motion_)
+      return refuse("moves, but no G0 to G3 says how", "begin with G0 or G1", Cause::kMissing);
     const Eigen::Vector2d end = end_of_motion();
     if (stroke_.empty() && (*motion_ > 1 || !absolute_ || !number('X') || !number('Y')))
-      return refuse("begins nowhere", "let the first motion be G0 or G1 with G90, X and Y");
+      return refuse("begins nowhere", "let the first motion be G0 or G1 with G90, X and Y",
+                    Cause::kMissing);
     if (*motion_ > 1) return move_on_arc(end);
     if (number('I') || number('J') || number('R'))
-      return refuse("is straight, but has I, J or R", "take G2 or G3 for an arc");
+      return refuse("is straight, but has I, J or R", "take G2 or G3 for an arc",
+                    Cause::kContradiction);
     if (!stroke_.empty() && (end - stroke_.back().p).norm() < kSamePoint_m) return;
     stroke_.push_back({"", end});
     add_point(end);
@@ -228,7 +232,8 @@ class GcodeProgram {
     if (std::abs(first_m - last_m) > std::max(kRadii_m, kRadiiShare * first_m)) {
       refuse(fmt::format("the arc's radius is {:.4f} mm at its beginning and {:.4f} mm at its end",
                          mm(first_m), mm(last_m)),
-             "both must be the same; I and J are counted from the beginning");
+             "both must be the same; I and J are counted from the beginning",
+             Cause::kContradiction);
       return std::nullopt;
     }
     return from + offset;

@@ -203,7 +203,8 @@ void read_grid(const std::filesystem::path& path, const std::function<void(const
     take(pair);
   }
   table.throw_if_faulty_or_empty();
-  if (n_valid == 0) throw InputError({"has no valid place", "at least one is needed", path});
+  if (n_valid == 0)
+    throw InputError({"has no valid place", "at least one is needed", path, Cause::kInsufficient});
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ void list_place(Columns& columns, PlanRow& row, double tool_orientation) {
   row.where = std::monostate();
   if (theta) row.where = *theta;
   if (p) row.where = TipPose{*p, phi.value_or(tool_orientation)};
-  columns.check(!p || !theta, {"has both x_mm and theta1_deg", "give one of them"});
+  columns.check(!p || !theta,
+                {"has both x_mm and theta1_deg", "give one of them", "", Cause::kContradiction});
 }
 
 TableSchema<PlanRow> plan_schema(double tool_orientation) {
@@ -45,7 +46,8 @@ TableSchema<PlanRow> plan_schema(double tool_orientation) {
         columns.choice("plan", row.plan, kPurposes);
         list_place(columns, row, tool_orientation);
         columns.check(shows_board(row.plan) || !std::holds_alternative<std::monostate>(row.where),
-                      {"has no position", "x_mm, y_mm or theta1_deg ... theta3_deg are needed"});
+                      {"has no position", "x_mm, y_mm or theta1_deg ... theta3_deg are needed", "",
+                       Cause::kMissing});
       },
       UnendedRow::kRefused, RowIds::kOwn};
 }
@@ -80,12 +82,13 @@ std::string plan_text(const std::vector<PlanRow>& rows) {
 
 std::vector<FrameRow> read_frames(const std::filesystem::path& recording) {
   if (!std::filesystem::is_directory(recording))
-    throw InputError({"is not a folder", "a recording made by planar-record is needed", recording});
+    throw InputError({"is not a folder", "a recording made by planar-record is needed", recording,
+                      Cause::kMissing});
   if (!std::filesystem::exists(recording / "frames.csv"))
     throw InputError(
         {"holds no frames.csv",
          "a recording made by planar-record is needed (pictures are named one by one: FOLDER/*)",
-         recording});
+         recording, Cause::kMissing});
   return TableFile<FrameRow>(recording / "frames.csv", frame_schema())
       .rows("record some with planar-record");
 }

@@ -71,7 +71,8 @@ class ComingTable : public CsvTable {
       : CsvTable("table", form.kind, form.columns.names(Column::kRequired), {},
                  form.columns.names(Column::kOptional)) {
     if (names.empty())
-      throw InputError({"has no columns", "needed are " + required_columns(), "table"});
+      throw InputError(
+          {"has no columns", "needed are " + required_columns(), "table", Cause::kMissing});
     std::string header;
     for (const std::string& name : names) header += (header.empty() ? "" : ",") + csv_field(name);
     take_line(header, -1);

@@ -63,7 +63,7 @@ const TableSchema<PathRow>& path_schema() {
 /// Says why a row cannot be reached from the place before it; empty when it can.
 std::optional<Refusal> fault_of(const Waypoint& to, const Waypoint& from) {
   if (!to.via && (to.pose.p - from.pose.p).norm() < kSamePoint_m)
-    return Refusal{"repeats the place before it", "leave the row out"};
+    return Refusal{"repeats the place before it", "leave the row out", "", Cause::kExists};
   const auto fault = to.via ? arc_fault(from.pose.p, *to.via, to.pose.p) : std::nullopt;
   if (!fault) return std::nullopt;
   return Refusal{*fault};
@@ -149,7 +149,8 @@ std::vector<TargetRow> read_targets(const std::filesystem::path& path) {
   }
   throw InputError(
       {"is a plan for planar-record, by its column plan, and not every row has a place to go to",
-       "a table of targets is needed, with the columns id, x_mm, y_mm and perhaps phi_deg", path});
+       "a table of targets is needed, with the columns id, x_mm, y_mm and perhaps phi_deg", path,
+       Cause::kForeign});
 }
 
 std::string targets_header() {
@@ -212,8 +213,8 @@ Path read_path(const CsvSource& source, double tool_orientation) {
   }
   table.throw_if_faulty_or_empty();
   if (waypoints.size() < 2)
-    throw InputError(
-        {"a path needs at least two rows: its beginning and its end", "", source.path});
+    throw InputError({"a path needs at least two rows: its beginning and its end", "", source.path,
+                      Cause::kInsufficient});
   return Path(waypoints);
 }
 

@@ -92,7 +92,8 @@ std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
     }
   faults.throw_if_any(rows.size());
   if (rows.empty())
-    throw title.value_or(InputError({"has no rows", "at least one is needed", path}));
+    throw title.value_or(
+        InputError({"has no rows", "at least one is needed", path, Cause::kMissing}));
   return rows;
 }
 

@@ -82,7 +82,8 @@ std::optional<std::size_t> slipped(const std::vector<TipAtMark>& poses, double s
                    odd ? "; without " + poses[*odd].id + " the others agree"
                        : "; no single one can be told to be wrong"),
        odd ? "bring the tip to the mark again there"
-           : "bring the tip to the mark again in four directions, and see that neither slips"});
+           : "bring the tip to the mark again in four directions, and see that neither slips",
+       "", Cause::kContradiction});
 }
 
 }  // namespace
@@ -94,9 +95,9 @@ TaughtTip teach_tip(const std::vector<TipAtMark>& poses, double sigma) {
         fmt::format("the tip was brought to the mark in {} direction{} that differ by {:.0f} deg "
                     "or more; three are the least that show a slip",
                     apart, apart == 1 ? "" : "s", kApartDirections / kDegree),
-        "turn joint 3 between them, best by a quarter turn each"});
+        "turn joint 3 between them, best by a quarter turn each", "", Cause::kInsufficient});
   const auto solution = solve(poses);
-  if (!solution) throw WorkError("the poses do not determine the tip");
+  if (!solution) throw WorkError("the poses do not determine the tip", Cause::kInsufficient);
   if (chance(*solution, sigma) < kFalseAlarm) refuse_slip(poses, *solution, sigma);
   TaughtTip taught;
   const auto freedom = static_cast<double>(solution->residuals.size() - kUnknowns);

@@ -115,12 +115,14 @@ struct AravisCamera::Impl {
 
   void require_frames() {
     const double age_s = mailbox.age_s();
-    if (link->lost()) throw WorkError("it does not answer");
+    if (link->lost()) throw WorkError("it does not answer", Cause::kDevice);
     if (age_s <= silence_s + lateness_s - kLateness_s) return;
-    if (delivers) throw WorkError(fmt::format("it sent no good frame for {:.0f} s", age_s));
+    if (delivers)
+      throw WorkError(fmt::format("it sent no good frame for {:.0f} s", age_s), Cause::kDevice);
     throw WorkError(
         "it answers, but none of its frames arrives: it or this machine is too slow, or a cable, "
-        "on GigE a firewall, rp_filter or too large packets stop them; planar-doctor examines it");
+        "on GigE a firewall, rp_filter or too large packets stop them; planar-doctor examines it",
+        Cause::kDevice);
   }
 
   void rest(double duration_s) {
@@ -328,7 +330,7 @@ void AravisCamera::set_exposure(const CameraExposure& exposure) {
   std::future<void> done = impl_->order(exposure);
   if (done.wait_for(std::chrono::duration<double>(kOrderTime_s)) != std::future_status::ready) {
     impl_->withdraw_order();
-    throw WorkError("the camera has not set the exposure: it does not answer");
+    throw WorkError("the camera has not set the exposure: it does not answer", Cause::kDevice);
   }
   done.get();
   exposure_ = exposure;

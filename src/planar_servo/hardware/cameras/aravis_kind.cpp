@@ -144,7 +144,8 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
     if (path && !path->permitted)
       return {faulty("camera", {path->port + " may not be opened",
                                 "sudo cmake --install build/release && sudo udevadm control "
-                                "--reload && sudo udevadm trigger"})};
+                                "--reload && sudo udevadm trigger",
+                                "", Cause::kSystem})};
     const CameraInspection seen = inspect_camera(settings, kGrab_s);
     if (seen.refusal) return {faulty("camera", *seen.refusal)};
     const std::string port = path ? " over " + path->port : "";
@@ -166,7 +167,8 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
     findings.push_back(judge_frames(camera, settings, seen, known));
     return findings;
   } catch (const InputError& error) {
-    return {{{error.what(), "correct the cell file", "camera"}, Verdict::kFaulty}};
+    return {{{error.what(), "correct the cell file", "camera", error.refusal().cause},
+             Verdict::kFaulty}};
   } catch (const WorkError& error) {
     return {faulty("camera", error.refusal())};
   }
@@ -276,7 +278,7 @@ std::vector<Finding> judge_strobe(const AravisSettings& settings, const CameraIn
             fmt::format("check that {} switches the lamps, that they are in view, and that no "
                         "other light is brighter",
                         line),
-            "strobe"},
+            "strobe", Cause::kDevice},
            Verdict::kDoubtful}};
 }
 
@@ -287,7 +289,7 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
       fmt::format("{} whole frames in {:.0f} s, {} with parts missing, {} without memory",
                   seen.complete, seen.duration_s, seen.incomplete, seen.underruns);
   const auto finding = [&](Verdict verdict, const std::string& remedy) {
-    return Finding{{what, remedy, "frames"}, verdict};
+    return Finding{{what, remedy, "frames", Cause::kDevice}, verdict};
   };
   if (seen.complete == 0 && seen.incomplete == 0)
     return finding(Verdict::kFaulty, way_to_frames(settings, seen, path));
@@ -312,9 +314,9 @@ Finding judge_frames(const CameraSettings& camera, const AravisSettings& setting
 Finding examine_usb_memory(const std::filesystem::path& parameter) {
   int memory_mb = 0;
   if (!(std::ifstream(parameter) >> memory_mb))
-    return {
-        {parameter.string() + " cannot be read", "load the kernel module usbcore", "USB memory"},
-        Verdict::kDoubtful};
+    return {{parameter.string() + " cannot be read", "load the kernel module usbcore", "USB memory",
+             Cause::kSystem},
+            Verdict::kDoubtful};
   const std::string what = fmt::format("the kernel gives USB {} MB of memory", memory_mb);
   if (memory_mb == 0 || memory_mb >= kEnoughUsbMemory_mb)  // 0: as much as there is
     return {{what, "", "USB memory"}, Verdict::kWell};

@@ -69,7 +69,8 @@ FrameMemory::FrameMemory(const AravisSettings& settings) {
   for (int i = 0; i < kBlocks; ++i) {
     blocks_.emplace_back(static_cast<std::uint8_t*>(std::aligned_alloc(kPageBytes, bytes_)),
                          std::free);
-    if (!blocks_.back()) throw WorkError("there is no memory for the camera's frames");
+    if (!blocks_.back())
+      throw WorkError("there is no memory for the camera's frames", Cause::kSystem);
   }
 }
 
@@ -148,7 +149,7 @@ struct AravisLink::Impl {
       throw WorkError(
           {fmt::format("the camera's frames have {} bytes, but at most {} were expected", payload,
                        memory.bytes()),
-           "see which of its settings adds data to its frames"});
+           "see which of its settings adds data to its frames", "", Cause::kDevice});
     for (const FrameMemory::Block& block : memory.blocks())
       arv_stream_push_buffer(stream.get(), arv_buffer_new(payload, block.get()));
   }

@@ -141,13 +141,14 @@ std::string text_of(const sockaddr* address) {
 
 std::string interface_with(const std::string& local_address) {
   ifaddrs* first = nullptr;
-  if (getifaddrs(&first) != 0) throw WorkError("this machine does not list its network interfaces");
+  if (getifaddrs(&first) != 0)
+    throw WorkError("this machine does not list its network interfaces", Cause::kSystem);
   const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> all(first, freeifaddrs);
   for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next)
     if (one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET &&
         text_of(one->ifa_addr) == local_address)
       return one->ifa_name;
-  throw WorkError("no network interface has the address " + local_address);
+  throw WorkError("no network interface has the address " + local_address, Cause::kSystem);
 }
 
 std::vector<fs::path> folders_in(const fs::path& parent) {
@@ -211,7 +212,8 @@ std::string local_address_towards(const std::string& address) {
   if (!found)
     throw WorkError(
         {"no network leads to the camera at " + address,
-         "give this machine an address in the camera's network (ip route get " + address + ")"});
+         "give this machine an address in the camera's network (ip route get " + address + ")", "",
+         Cause::kSystem});
   return text_of(reinterpret_cast<const sockaddr*>(&local));
 }
 

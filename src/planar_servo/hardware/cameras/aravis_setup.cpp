@@ -23,7 +23,7 @@ std::string hardware_trigger(ArvCamera* camera) {
     std::string source = sources.get()[i];
     if (source.rfind("Line", 0) == 0) return source;
   }
-  throw WorkError("the camera has no input line that could trigger it");
+  throw WorkError("the camera has no input line that could trigger it", Cause::kMissing);
 }
 
 template <typename GetBounds>
@@ -34,7 +34,8 @@ void require_within(ArvCamera* camera, const char* what, double value, const cha
       [&](GError** e) { get_bounds(camera, &least, &most, e); });
   if (value < least || value > most)
     throw WorkError(fmt::format("the camera refuses {} of {:.6g} {}; it can do {:.6g} to {:.6g} {}",
-                                what, value, unit, least, most, unit));
+                                what, value, unit, least, most, unit),
+                    Cause::kInvalid);
 }
 
 void apply_picture(ArvCamera* camera, const AravisSettings& settings) {
@@ -67,7 +68,8 @@ void set_first(ArvCamera* camera, std::initializer_list<const char*> features, c
     return;
   }
   throw WorkError({fmt::format("the camera has no {}, which its strobe needs", *features.begin()),
-                   "leave out camera.strobe, or of it delay_us and duration_us"});
+                   "leave out camera.strobe, or of it delay_us and duration_us", "",
+                   Cause::kMissing});
 }
 
 /// Returns the first of the words that a feature can take which begins with `stem`.
@@ -82,7 +84,7 @@ std::string word_of(ArvCamera* camera, const char* feature, const std::string& s
       g_free);
   for (guint i = 0; i < n; ++i)
     if (std::string word = words.get()[i]; word.rfind(stem, 0) == 0) return word;
-  throw WorkError(fmt::format("the camera's {} cannot be {}", feature, stem));
+  throw WorkError(fmt::format("the camera's {} cannot be {}", feature, stem), Cause::kMissing);
 }
 
 void apply_trigger(ArvCamera* camera, const AravisSettings& settings) {
@@ -118,7 +120,7 @@ void take_control(ArvDevice* device, const std::string& address) {
   while (arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == FALSE) {
     if (clock.now_s() > end_s)
       throw WorkError({"another program controls the GigE camera at " + address,
-                       "end that program; a camera obeys one at a time"});
+                       "end that program; a camera obeys one at a time", "", Cause::kBusy});
     clock.sleep_for_s(kPoll_s);
     GError* refusal = nullptr;
     arv_gv_device_take_control(ARV_GV_DEVICE(device), &refusal);
@@ -135,11 +137,12 @@ GObjectPtr<ArvDevice> reach_gige(const std::string& address) {
       return arv_gv_device_new(ours.get(), theirs.get(), e);
     }));
   } catch (const WorkError& error) {
-    throw WorkError(
-        {error.what(), fmt::format("ping {0}; if nothing answers, check that the camera "
-                                   "has power and that this machine has an address in its "
-                                   "network (ip route get {0})",
-                                   address)});
+    throw WorkError({error.what(),
+                     fmt::format("ping {0}; if nothing answers, check that the camera "
+                                 "has power and that this machine has an address in its "
+                                 "network (ip route get {0})",
+                                 address),
+                     "", error.refusal().cause});
   }
 }
 
@@ -197,7 +200,8 @@ std::vector<std::string> make_plain(ArvCamera* camera) {
     if (after && !same_value(*after, plain))
       throw WorkError(
           {fmt::format("the camera keeps {} at {}, where {} is needed{}", name, *after, plain, why),
-           "set it by the maker's program, and save it as the camera's default"});
+           "set it by the maker's program, and save it as the camera's default", "",
+           Cause::kDevice});
     changed.push_back(fmt::format("{} was {} and is {}", name, *before, plain));
   }
   return changed;
@@ -220,7 +224,7 @@ void require_unchanged(ArvCamera* camera, const CameraFeature& then) {
   if (now && !same_value(*now, value))
     throw WorkError(
         {fmt::format("its {} is {} and was {}: another program has changed it", name, *now, value),
-         "end that program; a camera obeys one at a time"});
+         "end that program; a camera obeys one at a time", "", Cause::kBusy});
 }
 
 ArvPixelFormat arv_format(PixelFormat format) {
@@ -255,15 +259,17 @@ void require_identity(ArvCamera* camera, const AravisSettings& settings) {
     });
     if (serial != settings.id)
       throw WorkError(fmt::format("the camera at {} has the serial number {}, not {}",
-                                  settings.address, serial, settings.id));
+                                  settings.address, serial, settings.id),
+                      Cause::kForeign);
   }
   cv::Size sensor;
   ask("the camera does not report its sensor size",
       [&](GError** e) { arv_camera_get_sensor_size(camera, &sensor.width, &sensor.height, e); });
   if (sensor != settings.sensor_px)
-    throw WorkError(fmt::format("the camera's sensor has {} x {} pixels; the cell says {} x {}",
-                                sensor.width, sensor.height, settings.sensor_px.width,
-                                settings.sensor_px.height));
+    throw WorkError(
+        fmt::format("the camera's sensor has {} x {} pixels; the cell says {} x {}", sensor.width,
+                    sensor.height, settings.sensor_px.width, settings.sensor_px.height),
+        Cause::kContradiction);
 }
 
 void apply_settings(ArvCamera* camera, const AravisSettings& settings) {
@@ -322,7 +328,8 @@ GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
   throw WorkError({fmt::format("no USB camera{} is plugged in{}",
                                serial.empty() ? "" : " with the serial number " + serial,
                                present.empty() ? "" : " (there are: " + present + ")"),
-                   "check the camera's cable and power; lsusb -t shows what is plugged in"});
+                   "check the camera's cable and power; lsusb -t shows what is plugged in", "",
+                   Cause::kMissing});
 }
 
 }  // namespace planar

@@ -29,7 +29,7 @@ auto ask(const std::string& what, Call call) {
     if (error == nullptr) return;
     const std::string message = error->message;
     g_error_free(error);
-    throw WorkError(what + ": " + message);
+    throw WorkError(what + ": " + message, Cause::kDevice);
   };
   if constexpr (std::is_void_v<decltype(call(&error))>) {
     call(&error);

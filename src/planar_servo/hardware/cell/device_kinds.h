@@ -26,7 +26,7 @@ struct Finding : Refusal {  ///< `fault` says what was found, `where` is the par
 inline Finding faulty(const std::string& subject, const Refusal& refusal,
                       const std::string& otherwise = "") {
   return {{Refusal{refusal.fault, "", refusal.where}.text(),
-           refusal.remedy.empty() ? otherwise : refusal.remedy, subject},
+           refusal.remedy.empty() ? otherwise : refusal.remedy, subject, refusal.cause},
           Finding::Verdict::kFaulty};
 }
 

@@ -61,15 +61,16 @@ void check_board(Fields& drive, const CellSettings& cell, std::size_t joint, std
   const GrblDetails& first = details_of(cell.drives[other]);
   drive.check(details.port == first.port && details.baud == first.baud,
               {fmt::format("drives[{}] has another port or baud than drives[{}]", joint, other),
-               "the three joints are axes of one board"});
+               "the three joints are axes of one board", "", Cause::kContradiction});
   drive.check(details.axis != first.axis,
               {fmt::format("drives[{}] is axis {} as drives[{}]", joint, details.axis, other),
-               "each joint needs an axis of its own"});
+               "each joint needs an axis of its own", "", Cause::kExists});
   const auto taught = [&](std::size_t i) { return !is_switch(cell.transmission.drives[i].home); };
   drive.check(taught(joint) == taught(other),
               {fmt::format("drives[{}] and drives[{}] must both be taught or both have a home "
                            "switch, because Grbl searches the switches of all axes",
-                           joint, other)});
+                           joint, other),
+               "", "", Cause::kContradiction});
 }
 
 /// Checks that a board whose program has died brings the motor to rest in time.
@@ -133,7 +134,7 @@ std::vector<Finding> examine_grbl(const GrblSettings& settings) {
          kSubject},
         Verdict::kWell};
     if (const auto unfit = grbl::unfitness(board.settings(), settings))
-      found = faulty(kSubject, {who + ": " + unfit->fault, unfit->remedy});
+      found = faulty(kSubject, unfit->at(who));
     else if (!grbl::is_supported(board.version()))
       found = {{who + ", which is untried here",
                 "turn each joint by planar-jog with nothing in the arm's way", kSubject},
@@ -207,10 +208,12 @@ Finding examine_tic(TicBus& bus, const std::string& subject, const std::string& 
       "{} {} at {}, firmware {}, supply {:.1f} V", tic::product_name(tic.listing.product_id),
       serial, tic.listing.device, tic::firmware_name(tic.listing.firmware), tic.supply_v);
   if (!tic.faults.empty())
-    return faulty(subject, {fmt::format("{}: {}", what, fmt::join(tic.faults, ", ")),
-                            "remove the cause, then enable the drives with planar-jog"});
+    return faulty(subject,
+                  {fmt::format("{}: {}", what, fmt::join(tic.faults, ", ")),
+                   "remove the cause, then enable the drives with planar-jog", "", Cause::kDevice});
   if (!tic.position_certain)
-    return {{what + "; it does not know where it stands", "home it with planar-jog", subject},
+    return {{what + "; it does not know where it stands", "home it with planar-jog", subject,
+             Cause::kDevice},
             Verdict::kDoubtful};
   return {{what, "", subject}, Verdict::kWell};
 }
@@ -249,7 +252,8 @@ TicInspection inspect_tic(TicBus& bus, const std::string& serial) {
   bus.exchange(transfers, kTimeout_s);
   for (const TicTransfer& transfer : transfers)
     if (!transfer.error.empty())
-      inspection.refusal = Refusal{transfer.error, "plug it in again, with another cable or hub"};
+      inspection.refusal = Refusal{transfer.error, "plug it in again, with another cable or hub",
+                                   "", Cause::kDevice};
   if (inspection.refusal) return inspection;
   inspection.refusal = tic::unfitness(inspection.listing.firmware, transfers[0].data);
   tic::StatusBlock::Bytes bytes{};
@@ -283,7 +287,7 @@ void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
         cell.drives[i].kind == this && tic_settings(cell.drives[i]).serial == settings.serial;
     drive.check(!same, {fmt::format("drives[{}] has the serial number '{}' of drives[{}]", joint,
                                     settings.serial, i),
-                        "each joint needs a drive of its own"});
+                        "each joint needs a drive of its own", "", Cause::kExists});
   }
   drive.number("command_timeout_ms", settings.command_timeout_s, kMillisecond,
                Range::from_to(kMinCommandTimeout_ms, kMaxCommandTimeout_ms));

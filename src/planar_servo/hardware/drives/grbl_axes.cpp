@@ -125,7 +125,7 @@ GrblAxes::GrblAxes(const GrblSettings& settings)
       watch_(pulses_per_mm_),
       board_(settings.port, settings.baud) {
   if (const auto unfit = grbl::unfitness(board_.settings(), settings))
-    throw WorkError({fmt::format("{}: {}", board_.version().version, unfit->fault), unfit->remedy});
+    throw WorkError(unfit->at(board_.version().version));
   spdlog::debug(fmt::format("the board at {} is {}", settings.port, board_.version().version));
 }
 
@@ -145,7 +145,8 @@ void GrblAxes::poll() {
   silent_s_ = hear_report(patience_s) ? 0.0 : silent_s_ + patience_s;
   if (silent_s_ >= kAnswerPatience_s)
     throw WorkError(
-        fmt::format("it does not answer within {:g} s{}", kAnswerPatience_s, board_.sharers(": ")));
+        fmt::format("it does not answer within {:g} s{}", kAnswerPatience_s, board_.sharers(": ")),
+        Cause::kDevice);
   if (silent_s_ > 0.0) return;
   judge();
   feed();

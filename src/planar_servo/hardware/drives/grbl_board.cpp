@@ -100,26 +100,27 @@ std::string holders_of(const std::string& port) {
 Refusal in_use(const std::string& port) {
   const std::string holders = holders_of(port);
   return {port + " is in use by another program" + (holders.empty() ? "" : ": " + holders),
-          fmt::format("end that program (sudo fuser -v {} names it)", port)};
+          fmt::format("end that program (sudo fuser -v {} names it)", port), "", Cause::kBusy};
 }
 
 Refusal why_not_opened(const std::string& port) {
   switch (errno) {
     case ENOENT:
       return {fmt::format("{} does not exist (serial ports here: {})", port, ports_here()),
-              "plug the board in, or correct `port` in the cell file"};
+              "plug the board in, or correct `port` in the cell file", "", Cause::kMissing};
     case EACCES:
       return {port + " may not be opened",
               fmt::format(
                   "install the udev rules by the package planar-servo (or sudo cmake "
                   "--install build/release) or join the port's group (sudo usermod -aG {} $USER), "
                   "then plug the board in and log in again",
-                  group_of(port))};
+                  group_of(port)),
+              "", Cause::kSystem};
     case EBUSY:
       return in_use(port);
     default:
       return {fmt::format("{} cannot be opened: {}", port, std::strerror(errno)),
-              "name the board's serial port as `port` in the cell file"};
+              "name the board's serial port as `port` in the cell file", "", Cause::kSystem};
   }
 }
 
@@ -190,9 +191,9 @@ void SerialLine::write(std::string_view bytes) {
     if (sent > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     } else if (errno != EAGAIN && errno != EINTR) {
-      throw WorkError(fmt::format("its line is closed: {}", std::strerror(errno)));
+      throw WorkError(fmt::format("its line is closed: {}", std::strerror(errno)), Cause::kDevice);
     } else if (!wait_for(POLLOUT, kWritePatience_s)) {
-      throw WorkError("its line accepts nothing more");
+      throw WorkError("its line accepts nothing more", Cause::kDevice);
     }
   }
 }
@@ -216,10 +217,11 @@ std::optional<std::string> SerialLine::read(double timeout_s) {
       received_.append(bytes.data(), static_cast<std::size_t>(got));
       continue;
     }
-    if (got == 0) throw WorkError("its line is closed: is it unplugged?");
+    if (got == 0) throw WorkError("its line is closed: is it unplugged?", Cause::kDevice);
     if (errno != EAGAIN && errno != EINTR)
       throw WorkError(
-          fmt::format("its line is closed: is it unplugged? ({})", std::strerror(errno)));
+          fmt::format("its line is closed: is it unplugged? ({})", std::strerror(errno)),
+          Cause::kDevice);
     const double left_s = deadline_s - clock.now_s();
     if (left_s <= 0.0) return std::nullopt;
     wait_for(POLLIN, left_s);
@@ -229,7 +231,7 @@ std::optional<std::string> SerialLine::read(double timeout_s) {
 GrblBoard::GrblBoard(const std::string& port, int baud) : line_(port, baud), port_(port) {
   find_board(baud);
   if (const auto foreign = grbl::foreign_firmware(said_))
-    throw WorkError({port + " " + foreign->fault, foreign->remedy});
+    throw WorkError({port + " " + foreign->fault, foreign->remedy, "", foreign->cause});
   if (grbl::is_fluidnc(said_))
     read_paths();
   else
@@ -252,7 +254,8 @@ void GrblBoard::read_paths() {
   if (settings.empty())
     throw WorkError({fmt::format("it has {}, which does not report its settings by their paths",
                                  version_.version),
-                     "take a FluidNC that answers $/axes/x/steps_per_mm, or flash grblHAL"});
+                     "take a FluidNC that answers $/axes/x/steps_per_mm, or flash grblHAL", "",
+                     Cause::kForeign});
   grbl::fold_fluidnc(settings);
   settings_ = settings;
 }
@@ -280,7 +283,8 @@ void GrblBoard::find_board(int baud) {
       {fmt::format("{} says {} at {} baud", port_, what, baud),
        fmt::format("give the board power, correct `port` and `baud` in the cell file, and end what "
                    "else has the port open (sudo fuser -v {})",
-                   port_)});
+                   port_),
+       "", Cause::kDevice});
 }
 
 bool GrblBoard::boots() const {
@@ -318,9 +322,10 @@ void GrblBoard::read_settings() {
       send("$$");
     }
     if (const auto* rejected = std::get_if<grbl::Rejected>(&*line))
-      throw WorkError("it does not report its settings: " + grbl::error_words(rejected->error));
+      throw WorkError("it does not report its settings: " + grbl::error_words(rejected->error),
+                      Cause::kDevice);
   }
-  throw WorkError("it does not report its settings");
+  throw WorkError("it does not report its settings", Cause::kDevice);
 }
 
 void GrblBoard::tell(char byte) {
@@ -357,7 +362,7 @@ std::string GrblBoard::inputs_on() {
     if (on == report->pins) return *on;
     on = report->pins;
   }
-  throw WorkError("it does not report its state");
+  throw WorkError("it does not report its state", Cause::kDevice);
 }
 
 std::string GrblBoard::sharers(const std::string& lead) const {
@@ -369,7 +374,7 @@ void GrblBoard::reset() {
   tell(grbl::kReset);
   std::string otherwise;
   if (!hear_banner(kResetPatience_s, otherwise))
-    throw WorkError("it does not come back from a reset");
+    throw WorkError("it does not come back from a reset", Cause::kDevice);
 }
 
 }  // namespace planar

@@ -15,19 +15,19 @@ constexpr int kFarthest_pulses = 1 << 21;
 GrblDrives::GrblDrives(const GrblSettings& settings) : settings_(settings) {
   for (std::size_t i = 0; i < 3; ++i) speeds_pulses_s_[i] = axis(i).speed_pulses_s;
   open();
-  if (!in_touch()) throw DriveError(fmt::format("{}: {}", name(), error_));
+  if (!in_touch()) throw DriveError(error_.at(name()));
 }
 
 void GrblDrives::open() {
   axes_.reset();
-  error_.clear();
+  error_ = {};
   homing_joint_.reset();
   for (Joint& joint : joints_) joint.certain = joint.switch_found = false;
   try {
     axes_ = std::make_unique<GrblAxes>(settings_);
     losses_ = axes_->losses();
   } catch (const WorkError& error) {
-    error_ = error.what();
+    error_ = error.refusal();
   }
   poll();
 }
@@ -37,10 +37,11 @@ void GrblDrives::reconnect() {
 }
 
 void GrblDrives::require_touch(const std::string& purpose) const {
-  if (!in_touch()) throw DriveError(fmt::format("{} cannot {}: {}", name(), purpose, error_));
+  if (!in_touch())
+    throw DriveError(fmt::format("{} cannot {}: {}", name(), purpose, error_.text()), error_.cause);
 }
 
-void GrblDrives::lose(const std::string& why) {
+void GrblDrives::lose(const Refusal& why) {
   error_ = why;
   axes_->abandon();
   heed_axes();
@@ -53,7 +54,7 @@ void GrblDrives::command(const std::string& purpose, const Deed& deed) {
     deed();
     heed_axes();
   } catch (const WorkError& error) {
-    lose(error.what());
+    lose(error.refusal());
     require_touch(purpose);
   }
 }
@@ -64,7 +65,7 @@ void GrblDrives::poll() {
     axes_->poll();
     heed_axes();
   } catch (const WorkError& error) {
-    lose(error.what());
+    lose(error.refusal());
   }
 }
 
@@ -97,7 +98,8 @@ AxisPulses GrblDrives::axis_pulses(const std::array<std::int32_t, 3>& joint_puls
       throw DriveError(
           fmt::format("{} cannot take drive {} to {} pulses from its origin; Grbl loses pulses "
                       "beyond {}: set fewer microsteps",
-                      name(), i + 1, wanted, kFarthest_pulses));
+                      name(), i + 1, wanted, kFarthest_pulses),
+          Cause::kUnreachable);
     pulses[index(i)] = static_cast<int>(wanted);
   }
   return pulses;
@@ -133,7 +135,8 @@ void GrblDrives::halt() {
     command("be told to halt", [this] { axes_->halt(); });
   } catch (const DriveError& error) {
     throw DriveError(fmt::format("{}; what it has queued ends after {:.0f} ms", error.what(),
-                                 grbl::kLongestRun_s * 1e3));
+                                 grbl::kLongestRun_s * 1e3),
+                     error.refusal().cause);
   }
 }
 
@@ -147,7 +150,7 @@ DriveStatus GrblDrives::status_of(std::size_t joint) const {
   status.answers = in_touch();
   status.position_certain = joints_[joint].certain;
   if (!in_touch()) {
-    status.faults.push_back(error_);
+    status.faults.push_back(error_.text());
     return status;
   }
   const std::string state = axes_->state_words();
@@ -166,7 +169,8 @@ void GrblDrives::start_homing(int joint, HomeDirection /*direction*/) {
   Joint& homed = joints_.at(joint);
   require_touch("be homed");
   if (!is_switch(axis(joint).home))
-    throw DriveError(fmt::format("drive {} has no home switch in the cell file", joint + 1));
+    throw DriveError(fmt::format("drive {} has no home switch in the cell file", joint + 1),
+                     Cause::kMissing);
   if (axes_->moving() || !axes_->unlocked())
     throw DriveError(fmt::format("{} cannot be homed: it {}", name(),
                                  axes_->moving() ? "moves" : "is not switched on"));

@@ -47,8 +47,8 @@ class GrblDrives final : public DriveGroup {
   };
 
   void open();
-  void lose(const std::string& why);
-  bool in_touch() const { return axes_ != nullptr && error_.empty(); }
+  void lose(const Refusal& why);
+  bool in_touch() const { return axes_ != nullptr && error_.fault.empty(); }
   void require_touch(const std::string& purpose) const;
   /// Does something with the board. Throws DriveError when it is, or gets, out of touch.
   template <typename Deed>
@@ -66,7 +66,7 @@ class GrblDrives final : public DriveGroup {
 
   GrblSettings settings_;
   std::unique_ptr<GrblAxes> axes_;
-  std::string error_;  ///< why the board is out of touch
+  Refusal error_;  ///< why the board is out of touch
   std::array<Joint, 3> joints_;
   std::array<double, 3> speeds_pulses_s_{};
   int losses_{0};  ///< of the axes' position, as of the last update

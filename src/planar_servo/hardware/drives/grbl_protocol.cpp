@@ -308,7 +308,8 @@ class Comparison {
     if (faults_.empty()) return std::nullopt;
     return Refusal{fmt::format("its settings do not match the cell: {}", fmt::join(faults_, ", ")),
                    fmt::format("send it {} with a terminal program, or correct the cell file",
-                               fmt::join(commands_, " and "))};
+                               fmt::join(commands_, " and ")),
+                   "", Cause::kContradiction};
   }
 
  private:
@@ -359,7 +360,8 @@ std::optional<Refusal> foreign_firmware(std::string_view said) {
     if (said.find(sign) != std::string_view::npos)
       return Refusal{fmt::format("has {}, which is not supported", name),
                      "flash Grbl 1.1 (AVR processors) or grblHAL (ESP32 and most others), or use "
-                     "another board; see doc/drives.md"};
+                     "another board; see doc/drives.md",
+                     "", Cause::kForeign};
   return std::nullopt;
 }
 

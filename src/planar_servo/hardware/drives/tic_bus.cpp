@@ -61,14 +61,16 @@ std::optional<Refusal> unfitness(std::uint16_t firmware,
   if (firmware < kOldestFirmware)
     return Refusal{fmt::format("its firmware {} is too old", firmware_name(firmware)),
                    fmt::format("upgrade it to {} or later with Pololu's Tic Control Center",
-                               firmware_name(kOldestFirmware))};
+                               firmware_name(kOldestFirmware)),
+                   "", Cause::kForeign};
   if (settings.at(kControlMode) != kControlModeUsb)
     return Refusal{fmt::format("its control mode is {}, in which it ignores this program",
                                settings.at(kControlMode)),
-                   "set it to 'Serial / I2C / USB' in Pololu's Tic Control Center"};
+                   "set it to 'Serial / I2C / USB' in Pololu's Tic Control Center", "",
+                   Cause::kDevice};
   if (settings.at(kDisableSafeStart) != 0)
     return Refusal{"its safe start is disabled, so that it could move by surprise",
-                   "enable it in Pololu's Tic Control Center"};
+                   "enable it in Pololu's Tic Control Center", "", Cause::kDevice};
   return std::nullopt;
 }
 
@@ -155,9 +157,10 @@ Refusal refusal_of(int error, const std::string& device) {
   if (error == LIBUSB_ERROR_ACCESS)
     return {device + " may not be opened",
             "install the udev rules by the package planar-servo (or sudo cmake --install "
-            "build/release), then plug the drive in again"};
+            "build/release), then plug the drive in again",
+            "", Cause::kSystem};
   if (error == LIBUSB_ERROR_BUSY)
-    return {device + " is in use by another program", "end that program"};
+    return {device + " is in use by another program", "end that program", "", Cause::kBusy};
   return {fmt::format("{} cannot be opened: {}", device, libusb_strerror(error))};
 }
 
@@ -217,7 +220,8 @@ TicPort::~TicPort() {
 TicBus::TicBus() {
   const int error = libusb_init(&context_);
   if (error != 0)
-    throw WorkError(fmt::format("USB cannot be used on this machine: {}", libusb_strerror(error)));
+    throw WorkError(fmt::format("USB cannot be used on this machine: {}", libusb_strerror(error)),
+                    Cause::kSystem);
 }
 
 TicBus::~TicBus() {
@@ -226,7 +230,8 @@ TicBus::~TicBus() {
 
 std::unique_ptr<TicPort> TicBus::open(const std::string& serial, Refusal& why) {
   std::vector<std::string> others;
-  why.remedy = "plug it in and give it power, or correct its number in the cell file";
+  why = {"", "plug it in and give it power, or correct its number in the cell file", "",
+         Cause::kMissing};
   libusb_device** devices = nullptr;
   const ssize_t count = libusb_get_device_list(context_, &devices);
   const AtEnd given_back([&] {
@@ -247,7 +252,7 @@ std::unique_ptr<TicPort> TicBus::open(const std::string& serial, Refusal& why) {
     }
     const Refusal refusal = refusal_of(error, listing.device);
     others.push_back(error == 0 ? listing.serial : refusal.fault);
-    if (error != 0 && !refusal.remedy.empty()) why.remedy = refusal.remedy;
+    if (error != 0 && !refusal.remedy.empty()) why = refusal;
   }
   why.fault =
       fmt::format("no Tic with the serial number '{}' can be opened (plugged in: {})", serial,

@@ -301,7 +301,7 @@ void TicDrives::start_homing(int joint_index, HomeDirection direction) {
   if (pins[0].data[0] == 0)
     throw DriveError({fmt::format("{} has no pin for its {} limit switch", name(i),
                                   forward ? "forward" : "reverse"),
-                      "set one in Pololu's Tic Control Center"});
+                      "set one in Pololu's Tic Control Center", "", Cause::kMissing});
   joint.may_move = true;
   require({{i, Command::kGoHome, forward ? 1U : 0U}}, "look for its home switch");
   if (!read_until([&] { return joint.in_touch() && joint.last->homing(); }))

@@ -24,7 +24,7 @@ constexpr double kEndPatience_s = 1.0;
 constexpr char kSeeProtocol[] = "see doc/motion_program.md";
 
 WorkError no_pipe() {
-  return WorkError(fmt::format("no pipe can be opened: {}", std::strerror(errno)));
+  return WorkError(fmt::format("no pipe can be opened: {}", std::strerror(errno)), Cause::kSystem);
 }
 
 }  // namespace
@@ -76,7 +76,8 @@ void ChildProgram::start(const MotionProgram& program, int input, int output) {
   if (fault == 0) return;
   throw WorkError({fmt::format("'{}' cannot be started in {}: {}", words[0],
                                program.folder.string(), std::strerror(fault)),
-                   "correct `program` in the cell file"});
+                   "correct `program` in the cell file", "",
+                   fault == ENOENT ? Cause::kMissing : Cause::kSystem});
 }
 
 ChildProgram::~ChildProgram() {
@@ -117,7 +118,8 @@ void ChildProgram::send(const std::string& line) {
   const std::string text = line + "\n";
   const ssize_t sent = ::send(input_, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   if (sent == static_cast<ssize_t>(text.size())) return;
-  throw WorkError(sent < 0 && errno == EPIPE ? ending() : "it does not read what it is asked");
+  throw WorkError(sent < 0 && errno == EPIPE ? ending() : "it does not read what it is asked",
+                  Cause::kDevice);
 }
 
 std::string ChildProgram::next_line(double patience_s) {
@@ -125,7 +127,8 @@ std::string ChildProgram::next_line(double patience_s) {
   throw WorkError(reader_->ended() ? ending()
                   : reader_->is_endless()
                       ? "its answer never ends"
-                      : fmt::format("it has not answered within {:.0f} ms", patience_s * 1e3));
+                      : fmt::format("it has not answered within {:.0f} ms", patience_s * 1e3),
+                  Cause::kDevice);
 }
 
 CommandLink::CommandLink(const MotionProgram& program)
@@ -135,18 +138,19 @@ CommandLink::CommandLink(const MotionProgram& program)
 
 std::string CommandLink::ask(const std::string& request, double patience_s) {
   if (program_.has_said_more())
-    throw WorkError(
-        {fmt::format("it says '{}' unasked", program_.next_line(patience_s)), kSeeProtocol});
+    throw WorkError({fmt::format("it says '{}' unasked", program_.next_line(patience_s)),
+                     kSeeProtocol, "", Cause::kDevice});
   const std::string number = fmt::format("{} ", ++asked_);
   program_.send(number + request);
   const std::string answer = program_.next_line(patience_s);
   const auto begins = [&](const std::string& with) { return answer.rfind(with, 0) == 0; };
   if (begins(number + "no "))
     throw MachineRefusal(
-        fmt::format("it refuses '{}': {}", request, answer.substr(number.size() + 3)));
+        fmt::format("it refuses '{}': {}", request, answer.substr(number.size() + 3)),
+        Cause::kDevice);
   if (!begins(number + "ok"))
-    throw WorkError(
-        {fmt::format("it answers '{}' with '{}'", number + request, answer), kSeeProtocol});
+    throw WorkError({fmt::format("it answers '{}' with '{}'", number + request, answer),
+                     kSeeProtocol, "", Cause::kDevice});
   const std::size_t from = number.size() + 3;
   return answer.size() > from ? answer.substr(from) : "";
 }
@@ -171,7 +175,8 @@ MachineState CommandLink::read() {
   const bool is_known =
       motion == "off" || motion == "resting" || motion == "moving" || motion == "homing";
   if (!text || !is_known)
-    throw WorkError({fmt::format("it says that it is at '{}'", answer), kSeeProtocol});
+    throw WorkError(
+        {fmt::format("it says that it is at '{}'", answer), kSeeProtocol, "", Cause::kDevice});
   std::getline(text >> std::ws, fault);
   state.on = motion != "off";
   state.moving = motion == "moving" || motion == "homing";

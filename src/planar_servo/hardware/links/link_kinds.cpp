@@ -34,7 +34,8 @@ void check_alike(Fields& drive, std::size_t joint, std::size_t other,
                  std::initializer_list<std::pair<const char*, bool>> keys, const char* rule) {
   for (const auto& [key, is_alike] : keys)
     drive.check(is_alike,
-                {fmt::format("drives[{}] has another {} than drives[{}]", joint, key, other), rule},
+                {fmt::format("drives[{}] has another {} than drives[{}]", joint, key, other), rule,
+                 "", Cause::kContradiction},
                 key);
 }
 
@@ -101,14 +102,12 @@ std::vector<Finding> CommandKind::examine(const CellSettings& cell) const {
     CommandLink link(program);
     const MachineState state = link.read();
     if (!state.faults.empty())
-      return {faulty(kDrives, {fmt::format("{}: {}", link.machine(), state.faults.front())},
-                     "remove the cause")};
+      return {faulty(kDrives,
+                     {state.faults.front(), "remove the cause", link.machine(), Cause::kDevice})};
     return {{{fmt::format("{}, {}", link.machine(), state.on ? "switched on" : "off"), "", kDrives},
              Finding::Verdict::kWell}};
   } catch (const WorkError& error) {
-    const Refusal& why = error.refusal();
-    return {faulty(kDrives, {fmt::format("{}: {}", name_of(program), why.fault), why.remedy},
-                   "see doc/motion_program.md")};
+    return {faulty(kDrives, error.refusal().at(name_of(program)), "see doc/motion_program.md")};
   }
 }
 
@@ -142,7 +141,7 @@ void check_line(Fields& drive, const CellSettings& cell, std::size_t joint, std:
               "the three drivers are of one make, on one line");
   drive.check(one.address == 0 || one.address != first.address,
               {fmt::format("drives[{}] has address {} as drives[{}]", joint, one.address, other),
-               "set another one at the driver"},
+               "set another one at the driver", "", Cause::kExists},
               "address");
 }
 
@@ -161,20 +160,21 @@ std::filesystem::path map_file(const CellSettings& cell, const std::string& name
       {fmt::format("there is no map of registers {}, nor one of this name in calib/modbus where "
                    "the programs of {} were installed or built",
                    beside.string(), programs.string()),
-       "write it by doc/modbus.md, or name it with its folder"});
+       "write it by doc/modbus.md, or name it with its folder", "", Cause::kMissing});
 }
 
 /// Checks that a map can do what a joint of the cell needs.
 void require_map(const CellSettings& cell, std::size_t joint, const ModbusMap& map) {
   const MotorDrive& motor = cell.transmission.drives[joint];
   if (const auto why = map.misfit(limits_of(cell)[joint], motor.pulses_per_motor_turn))
-    throw InputError({fmt::format("drives[{}]: {}", joint, why->fault), why->remedy});
+    throw InputError(why->at(fmt::format("drives[{}]", joint)));
   const bool is_forward = motor.home == HomeReference::kForwardSwitch;
   if (is_switch(motor.home) && (is_forward ? map.home_forward : map.home_reverse).empty())
     throw InputError(
         {fmt::format("drives[{}]: the map {} has no {}", joint, map.name,
                      is_forward ? "home_forward" : "home_reverse"),
-         "add it, if the driver searches switches, or name home: {reference: taught} or sight"});
+         "add it, if the driver searches switches, or name home: {reference: taught} or sight", "",
+         Cause::kMissing});
 }
 
 ModbusLine line_of(const CellSettings& cell) {
@@ -242,14 +242,16 @@ std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
     ModbusLink link(line);
     const MachineState state = link.read();
     if (!state.faults.empty())
-      return {faulty(kDrives, Refusal{state.faults.front()}, "look it up in the driver's manual")};
+      return {faulty(kDrives, {state.faults.front(), "look it up in the driver's manual", "",
+                               Cause::kDevice})};
     constexpr int kTelegrams = 100;
     while (link.errors().telegrams < kTelegrams) link.read();
     const LineErrors& errors = link.errors();
     if (errors.garbled + errors.unanswered > 0)
       return {{{fmt::format("{}: of {} telegrams {} were garbled and {} not answered",
                             name_of(line), errors.telegrams, errors.garbled, errors.unanswered),
-                "look at the line's resistors at both ends, its shield and ground", kDrives},
+                "look at the line's resistors at both ends, its shield and ground", kDrives,
+                Cause::kDevice},
                Finding::Verdict::kDoubtful}};
     return {{{fmt::format("{}: all three answer each of {} telegrams, {}; at {} counts",
                           name_of(line), errors.telegrams, state.on ? "switched on" : "off",
@@ -328,7 +330,7 @@ void LinuxcncKind::read(Fields& drive, CellSettings& cell, std::size_t joint) co
     drive.check(
         other.joint.axis != details->joint.axis && other.joint.number != details->joint.number,
         {fmt::format("drives[{}] has the axis or joint of drives[{}]", joint, i),
-         "each needs its own"});
+         "each needs its own", "", Cause::kExists});
   }
 }
 
@@ -345,7 +347,8 @@ std::vector<Finding> LinuxcncKind::examine(const CellSettings& cell) const {
     LinuxcncLink link(host);
     const MachineState state = link.read();
     if (!state.faults.empty())
-      return {faulty(kDrives, Refusal{state.faults.front()}, "look at LinuxCNC's own messages")};
+      return {faulty(
+          kDrives, {state.faults.front(), "look at LinuxCNC's own messages", "", Cause::kDevice})};
     const std::string found =
         fmt::format("{}, {}", name_of(host), state.on ? "switched on" : "off");
     if (!link.unchecked().empty())

@@ -25,7 +25,7 @@ LinkedDrives::LinkedDrives(std::string name, const std::array<DriveLimits, 3>& r
       open_(std::move(open)),
       in_position_(in_position) {
   this->open();
-  if (!link_) throw DriveError(fmt::format("{}: {}", name_, error_));
+  if (!link_) throw DriveError(error_.at(name_));
 }
 
 LinkedDrives::~LinkedDrives() {
@@ -38,7 +38,7 @@ LinkedDrives::~LinkedDrives() {
 
 void LinkedDrives::open() {
   link_.reset();
-  error_.clear();
+  error_ = {};
   missed_.clear();
   goal_.reset();
   held_.reset();
@@ -52,7 +52,7 @@ void LinkedDrives::open() {
       missed_ = "its emergency stop is pressed since it was out of touch; `enable` clears this";
     was_on_ = false;
   } catch (const WorkError& error) {
-    lose(error.what());
+    lose(error.refusal());
   }
 }
 
@@ -60,8 +60,8 @@ void LinkedDrives::reconnect() {
   if (!link_) open();
 }
 
-void LinkedDrives::lose(const std::string& why) {
-  spdlog::warn(fmt::format("{}: {}", name_, why));
+void LinkedDrives::lose(const Refusal& why) {
+  spdlog::warn(why.at(name_).text());
   link_.reset();
   error_ = why;
   homing_joint_.reset();
@@ -74,12 +74,13 @@ void LinkedDrives::command(const std::string& purpose, const Deed& deed) {
     try {
       return deed();
     } catch (const MachineRefusal& error) {
-      throw DriveError(fmt::format("{} cannot {}: {}", name_, purpose, error.what()));
+      throw DriveError(fmt::format("{} cannot {}: {}", name_, purpose, error.what()),
+                       error.refusal().cause);
     } catch (const WorkError& error) {
-      lose(error.what());
+      lose(error.refusal());
     }
   }
-  throw DriveError(fmt::format("{} cannot {}: {}", name_, purpose, error_));
+  throw DriveError(fmt::format("{} cannot {}: {}", name_, purpose, error_.text()), error_.cause);
 }
 
 void LinkedDrives::read() {
@@ -87,7 +88,7 @@ void LinkedDrives::read() {
   try {
     take(link_->read());
   } catch (const WorkError& error) {
-    lose(error.what());
+    lose(error.refusal());
   }
 }
 
@@ -169,14 +170,15 @@ void LinkedDrives::brake_to_rest() {
   for (take(link_->read()); state_.moving; take(link_->read())) {
     if (std::chrono::steady_clock::now() - begun > patience)
       throw WorkError(
-          fmt::format("it still moves {:.0f} s after it was told to stop", patience.count()));
+          fmt::format("it still moves {:.0f} s after it was told to stop", patience.count()),
+          Cause::kDevice);
     std::this_thread::sleep_for(kBrakingPoll);
   }
 }
 
 /// Returns why the machine cannot be sent anywhere, or nothing.
 std::string LinkedDrives::hindrance() const {
-  if (!link_) return error_;
+  if (!link_) return error_.text();
   if (!state_.faults.empty()) return state_.faults.front();
   if (!missed_.empty()) return missed_;
   if (state_.homing) return "it is being homed";
@@ -188,7 +190,8 @@ std::string LinkedDrives::hindrance() const {
 
 void LinkedDrives::require_ready() const {
   if (const std::string why = hindrance(); !why.empty())
-    throw DriveError(fmt::format("{} cannot move: {}", name_, why));
+    throw DriveError(fmt::format("{} cannot move: {}", name_, why),
+                     link_ ? Cause::kDevice : error_.cause);
 }
 
 void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) {
@@ -231,7 +234,7 @@ DriveStatus LinkedDrives::status_of(std::size_t joint) const {
   status.answers = link_ != nullptr;
   status.position_certain = joints_[joint].certain;
   if (!link_) {
-    status.faults.push_back(error_);
+    status.faults.push_back(error_.text());
     return status;
   }
   status.position_pulses = state_.counts[joint] - joints_[joint].zero;

@@ -53,7 +53,7 @@ class LinkedDrives final : public DriveGroup {
   };
 
   void open();
-  void lose(const std::string& why);
+  void lose(const Refusal& why);
   /// Does something with the machine. Throws DriveError when it is, or gets, out of touch.
   template <typename Deed>
   void command(const std::string& purpose, const Deed& deed);
@@ -73,7 +73,7 @@ class LinkedDrives final : public DriveGroup {
   std::array<DriveLimits, 3> rated_, limits_;
   Open open_;
   std::unique_ptr<MachineLink> link_;
-  std::string error_;  ///< why the machine is out of touch
+  Refusal error_;  ///< why the machine is out of touch
   MachineState state_;
   std::optional<Pulses> goal_;  ///< until it was seen at rest there
   std::string missed_;          ///< how it came to rest elsewhere than it should

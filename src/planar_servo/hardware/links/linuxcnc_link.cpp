@@ -149,15 +149,17 @@ std::string contradiction(const Ini& ini, const LinuxcncHost& host) {
 }  // namespace
 
 RshConnection::RshConnection(const LinuxcncHost& host) {
-  const auto fail = [&](const std::string& why, const std::string& remedy) {
-    throw WorkError({fmt::format("LinuxCNC at {}:{}: {}", host.host, host.port, why), remedy});
+  const auto fail = [&](const std::string& why, const std::string& remedy,
+                        Cause cause = Cause::kDevice) {
+    throw WorkError(
+        {fmt::format("LinuxCNC at {}:{}: {}", host.host, host.port, why), remedy, "", cause});
   };
   constexpr char kStart[] =
       "start LinuxCNC with [DISPLAY]DISPLAY = linuxcncrsh, or linuxcncrsh beside it";
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
   if (getaddrinfo(host.host.c_str(), std::to_string(host.port).c_str(), &hints, &found) != 0)
-    fail("there is no host of this name", "correct `host` in the cell file");
+    fail("there is no host of this name", "correct `host` in the cell file", Cause::kMissing);
   bool connected = false;  // localhost may be an address of IPv6 first
   for (const addrinfo* at = found; at != nullptr && !connected; at = at->ai_next) {
     if (socket_ >= 0) close(socket_);
@@ -185,7 +187,8 @@ RshConnection::RshConnection(const LinuxcncHost& host) {
     send("set echo off");
     while (hear(0.05)) {
     }
-    if (!is_acknowledged("set verbose on", "SET VERBOSE ACK")) fail("it is no linuxcncrsh", kStart);
+    if (!is_acknowledged("set verbose on", "SET VERBOSE ACK"))
+      fail("it is no linuxcncrsh", kStart, Cause::kForeign);
   } catch (...) {
     close(socket_);
     throw;
@@ -199,13 +202,15 @@ RshConnection::~RshConnection() {
 void RshConnection::send(const std::string& line) {
   const std::string text = line + "\r\n";
   if (::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(text.size()))
-    throw WorkError(Refusal{"LinuxCNC takes nothing: the connection is closed", "start it again"});
+    throw WorkError(Refusal{"LinuxCNC takes nothing: the connection is closed", "start it again",
+                            "", Cause::kDevice});
 }
 
 std::optional<std::string> RshConnection::hear(double patience_s) {
   auto line = reader_->next(patience_s);
   if (reader_->ended() && !line)
-    throw WorkError(Refusal{"LinuxCNC has closed the connection", "start it again"});
+    throw WorkError(
+        Refusal{"LinuxCNC has closed the connection", "start it again", "", Cause::kDevice});
   return line;
 }
 
@@ -213,7 +218,7 @@ std::string RshConnection::ask(const std::string& line) {
   send(line);
   if (auto answer = hear(kAnswer_s)) return *answer;
   throw WorkError({fmt::format("LinuxCNC does not answer '{}' within {:.0f} s", line, kAnswer_s),
-                   "look at the machine; start LinuxCNC again"});
+                   "look at the machine; start LinuxCNC again", "", Cause::kDevice});
 }
 
 std::string RshConnection::get(const std::string& what) {
@@ -231,10 +236,12 @@ std::string RshConnection::get(const std::string& what) {
     while (hear(std::chrono::duration<double>(kApart).count())) {
     }
   }
-  if (answer) throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, *answer));
+  if (answer)
+    throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, *answer),
+                    Cause::kDevice);
   throw WorkError(
       {fmt::format("LinuxCNC does not answer 'get {}' within {:.0f} s", what, kAnswer_s),
-       "look at the machine; start LinuxCNC again"});
+       "look at the machine; start LinuxCNC again", "", Cause::kDevice});
 }
 
 namespace {
@@ -267,11 +274,12 @@ void say(int socket, const std::string& words) {
 DeadMansHandle::DeadMansHandle(const RshConnection& stopper, const std::string& words) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    throw WorkError(fmt::format("no pipe can be opened: {}", std::strerror(errno)));
+    throw WorkError(fmt::format("no pipe can be opened: {}", std::strerror(errno)), Cause::kSystem);
   process_ = fork();
   if (process_ < 0) {
     for (const int end : ends) close(end);
-    throw WorkError(fmt::format("no process can be made: {}", std::strerror(errno)));
+    throw WorkError(fmt::format("no process can be made: {}", std::strerror(errno)),
+                    Cause::kSystem);
   }
   if (process_ > 0) {
     close(ends[1]);
@@ -311,7 +319,7 @@ LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
         "yourself",
         path);
   } else if (const std::string wrong = contradiction(ini, host_); !wrong.empty()) {
-    throw WorkError({fmt::format("{}: {}", path, wrong), "correct it or the cell file"});
+    throw WorkError({wrong, "correct it or the cell file", path, Cause::kContradiction});
   }
   for (std::size_t i = 0; i < 3; ++i) rooms_[i] = room_in(ini, host_.joints[i]);
   here_ = counts();
@@ -328,7 +336,8 @@ void LinuxcncLink::require_room(const Pulses& counts) const {
              "joint {0} would go to {1:.3f} deg as LinuxCNC counts, which its INI lets move "
              "from {2:g} to {3:g} deg ([JOINT_{0}] and [AXIS_{4}])",
              joint.number, angle_deg, rooms_[i].least_deg, rooms_[i].most_deg, joint.axis),
-         "widen MIN_LIMIT and MAX_LIMIT there: LinuxCNC counts from where it was homed"});
+         "widen MIN_LIMIT and MAX_LIMIT there: LinuxCNC counts from where it was homed", "",
+         Cause::kUnreachable});
   }
 }
 
@@ -345,7 +354,8 @@ void LinuxcncLink::set(const std::string& what) {
   }
   throw WorkError({fmt::format("LinuxCNC refuses 'set {}': {}", what, answer.value_or("no answer")),
                    "another client may have taken the control: close it; or look at LinuxCNC's "
-                   "own messages"});
+                   "own messages",
+                   "", Cause::kDevice});
 }
 
 void LinuxcncLink::take_control() {
@@ -427,7 +437,7 @@ void LinuxcncLink::home_in_place(int joint) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   throw WorkError({fmt::format("LinuxCNC does not home joint {} where it stands", joint),
-                   "look at LinuxCNC's own messages"});
+                   "look at LinuxCNC's own messages", "", Cause::kDevice});
 }
 
 void LinuxcncLink::search_home(int joint, HomeDirection /*direction*/) {
@@ -486,7 +496,7 @@ Pulses LinuxcncLink::counts() const {
     const auto number = static_cast<std::size_t>(joint.number);
     if (number >= degrees.size())
       throw WorkError({fmt::format("LinuxCNC has no joint {}", joint.number),
-                       "correct `joint` in the cell file"});
+                       "correct `joint` in the cell file", "", Cause::kMissing});
     counts[i] = static_cast<int>(std::lround(degrees[number] * joint.counts_per_deg));
   }
   return counts;

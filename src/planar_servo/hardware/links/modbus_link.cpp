@@ -65,7 +65,10 @@ ModbusLink::ModbusLink(const ModbusLine& line)
                close_modbus) {
   if (!context_ || modbus_connect(context_.get()) != 0)
     throw WorkError({fmt::format("{} cannot be opened: {}", line.port, modbus_strerror(errno)),
-                     "look at the port's name, the permission to use it and the cable"});
+                     "look at the port's name, the permission to use it and the cable", "",
+                     errno == EBUSY    ? Cause::kBusy
+                     : errno == ENOENT ? Cause::kMissing
+                                       : Cause::kSystem});
   ioctl(modbus_get_socket(context_.get()), TIOCEXCL);  // nobody else opens it from now on
   constexpr std::uint32_t kSecond_us = 1000000;
   const auto answer_us = static_cast<std::uint32_t>(std::lround(line.answer_s * kSecond_us));
@@ -73,7 +76,8 @@ ModbusLink::ModbusLink(const ModbusLine& line)
                                                   answer_us % kSecond_us) == 0;
   // Without a time for each byte, that of the answer is for the whole one.
   if (!is_set || modbus_set_byte_timeout(context_.get(), 0, 0) != 0)
-    throw WorkError(fmt::format("no answer on Modbus can take {:g} s", line.answer_s));
+    throw WorkError(fmt::format("no answer on Modbus can take {:g} s", line.answer_s),
+                    Cause::kInvalid);
   read();
   check_word_order(here_);
 }
@@ -109,7 +113,7 @@ void ModbusLink::exchange(std::size_t motor, const std::string& what, const Exch
                    error == ETIMEDOUT ? fmt::format("no answer within {:.0f} ms, {} times",
                                                     line_.answer_s * 1e3, kTries)
                                       : std::string(modbus_strerror(error))),
-       remedy_for(error)});
+       remedy_for(error), "", Cause::kDevice});
 }
 
 /// What was repeated may be answered twice.
@@ -180,7 +184,7 @@ void ModbusLink::broadcast(const RegisterWrite& write) {
   if (modbus_send_raw_request(context_.get(), telegram.data(), static_cast<int>(telegram.size())) <
       0)
     throw WorkError({fmt::format("{} takes nothing: {}", line_.port, modbus_strerror(errno)),
-                     remedy_for(errno)});
+                     remedy_for(errno), "", Cause::kDevice});
   std::this_thread::sleep_for(kPause);
 }
 
@@ -250,7 +254,8 @@ void ModbusLink::search_home(int joint, HomeDirection direction) {
       direction == HomeDirection::kForward ? line_.map.home_forward : line_.map.home_reverse;
   if (writes.empty())
     throw WorkError({fmt::format("the map of {} has no search for the home switch", line_.map.name),
-                     "add home_reverse or home_forward to it, or name home: {reference: taught}"});
+                     "add home_reverse or home_forward to it, or name home: {reference: taught}",
+                     "", Cause::kMissing});
   may_move_ = true;
   unfound_.clear();
   write(joint, writes, {}, "search its home switch");
@@ -307,7 +312,8 @@ void ModbusLink::check_word_order(const Pulses& counts) {
     throw WorkError(
         {fmt::format("{} says that it stands at {}, which is {} with its two words exchanged",
                      name(i), position, exchanged(position)),
-         "exchange word_order in the map; if it is right, turn this motor by a count by hand"});
+         "exchange word_order in the map; if it is right, turn this motor by a count by hand", "",
+         Cause::kContradiction});
   }
   // A makes' drivers are alike: one that shows it is enough.
   for (const int position : counts) proven_ = proven_ || shows_order(position);
@@ -342,10 +348,10 @@ void ModbusLink::prove_word_order(const Pulses& toward) {
   proven_ = false;
   const int went = here_[motor];
   stop();
-  throw WorkError(
-      {fmt::format("{} was sent from {} to {} and says that it is at {}", name(motor), rest[motor],
-                   count, went),
-       "the two words of its position may be exchanged: look at word_order in the map"});
+  throw WorkError({fmt::format("{} was sent from {} to {} and says that it is at {}", name(motor),
+                               rest[motor], count, went),
+                   "the two words of its position may be exchanged: look at word_order in the map",
+                   "", Cause::kContradiction});
 }
 
 }  // namespace planar

@@ -173,7 +173,8 @@ std::vector<RegisterValue> values_in(const ModbusMap& map, What what) {
 void check_whole(YamlReader& file, const ModbusMap& map) {
   for (const What what : {What::kPosition, What::kSpeed})
     file.check(!values_in(map, what).empty() || map.move.empty(),
-               {fmt::format("writes no {}", name_in(kValues, what)), "name it among its values"},
+               {fmt::format("writes no {}", name_in(kValues, what)), "name it among its values", "",
+                Cause::kMissing},
                "move");
   file.check(map.position.words == 2 || map.position.words == 0,
              {"is one register", "a position needs two: REGISTER 2"}, "position");
@@ -182,7 +183,7 @@ void check_whole(YamlReader& file, const ModbusMap& map) {
                    map.move.begin(), map.move.end(),
                    [&](const RegisterWrite& write) { return write.address == map.start->address; }),
                {"is written by move, too, so that each joint would begin before the others",
-                "leave it out of move, or leave start out"},
+                "leave it out of move, or leave start out", "", Cause::kContradiction},
                "start");
   const int bits = 16 * map.status.words;
   const auto check_bit = [&](const StatusBit& bit, const char* key) {

@@ -11,7 +11,7 @@ namespace {
 
 void ask(const MayHome& may_home, Homing way, const std::string& unhomed,
          const std::string& remedy) {
-  if (!may_home || !may_home(way, unhomed)) throw DriveError({unhomed, remedy});
+  if (!may_home || !may_home(way, unhomed)) throw DriveError({unhomed, remedy, "", Cause::kDevice});
 }
 
 void search_home(PlanarRobot& robot, int joint) {
@@ -32,7 +32,8 @@ void home_where_needed(PlanarRobot& robot, const MayHome& may_home, const std::s
     if (!by_sight)
       throw DriveError(Refusal{"drives that have lost their position are homed by sight",
                                "calibrate the cell first; until then turn them to marks and name "
-                               "these under home (reference: taught)"});
+                               "these under home (reference: taught)",
+                               "", Cause::kDevice});
     ask(may_home, Homing::kSearch,
         "drives that have lost their position: the camera finds where they stand, for which they "
         "turn a little",

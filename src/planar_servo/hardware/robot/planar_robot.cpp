@@ -58,7 +58,8 @@ std::string words_of(const DriveStatus& drive) {
 }
 
 [[noreturn]] void throw_unhomed(std::size_t joint) {
-  throw DriveError({fmt::format("drive {} has lost its position", joint + 1), "home it first"});
+  throw DriveError({fmt::format("drive {} has lost its position", joint + 1), "home it first", "",
+                    Cause::kDevice});
 }
 
 void require_certain(const std::array<DriveStatus, 3>& status) {
@@ -195,7 +196,8 @@ void PlanarRobot::search_home(int joint) {
     throw DriveError(
         {fmt::format("drive {} has no home switch", joint + 1),
          fmt::format("turn it to its mark at {:.3f} deg, then say so (mark {} in planar-jog)",
-                     *mark / kDegree, joint + 1)});
+                     *mark / kDegree, joint + 1),
+         "", Cause::kMissing});
   if (homes_by_sight())
     throw DriveError(Refusal{"the drives are homed by sight, all at once",
                              "start a program that has the cell's calibrated vision with --home"});
@@ -262,7 +264,7 @@ void PlanarRobot::recover(double patience_s) {
 
 std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard& guard) {
   if (const auto violation = transmission_.limit_violation(theta))
-    throw WorkError("the arm refuses to move: " + *violation);
+    throw WorkError("the arm refuses to move: " + *violation, Cause::kUnreachable);
   if (velocity_control_)
     throw WorkError(
         Refusal{"the arm is under velocity control", "end that before it moves to a position"});
@@ -330,8 +332,8 @@ PlanarRobot::Status PlanarRobot::look_while_turning() {
 
 void PlanarRobot::turn(const VelocityLaw& velocity) {
   if (const auto refusal = drives_.stream_refusal())
-    throw WorkError(
-        {"the drives cannot be turned at velocities: " + *refusal, "move to positions instead"});
+    throw WorkError({"the drives cannot be turned at velocities: " + *refusal,
+                     "move to positions instead", "", Cause::kDevice});
   if (stopped()) end_turning();
   throw_if_stopped();
   const Status status = look_while_turning();
@@ -348,7 +350,7 @@ void PlanarRobot::turn(const Status& status, const Joints& theta_dot) {
   const Pulses target(move.targets_pulses[0], move.targets_pulses[1], move.targets_pulses[2]);
   if (const auto violation =
           transmission_.limit_violation(transmission_.joints_from_pulses(target)))
-    throw WorkError("the arm refuses this velocity: " + *violation);
+    throw WorkError("the arm refuses this velocity: " + *violation, Cause::kUnreachable);
   or_halt([&] {
     drives_.set_limits(move.limits);
     drives_.set_targets(move.targets_pulses);
@@ -367,14 +369,14 @@ void PlanarRobot::end_turning() {
 }
 
 void PlanarRobot::halt() {
-  std::string failure;
+  std::optional<Refusal> failure;
   try {
     drives_.halt();
   } catch (const WorkError& error) {
-    failure = error.what();
+    failure = error.refusal();
   }
   read_positions(status());
-  if (!failure.empty()) throw DriveError(failure);
+  if (failure) throw DriveError(*failure);
 }
 
 void PlanarRobot::throw_failure(const std::string& fault) const {
@@ -382,7 +384,7 @@ void PlanarRobot::throw_failure(const std::string& fault) const {
   throw StoppedByHand({fault.find(by_hand_.substr(by_hand_.find(": "))) != fault.npos
                            ? fault
                            : fault + (fault.empty() ? "" : "; ") + by_hand_,
-                       "see to the machine, then `enable`, or start again"});
+                       "see to the machine, then `enable`, or start again", "", Cause::kStopped});
 }
 
 PlanarRobot::Status PlanarRobot::require_well() {

@@ -40,7 +40,7 @@ VelocityMove velocity_move(const VelocityMove& last, double now_s,
 /// The arm rests because somebody asked for it; no device failed.
 class StopRequested : public WorkError {
  public:
-  using WorkError::WorkError;
+  explicit StopRequested(const std::string& text) : WorkError(text, Cause::kStopped) {}
 };
 
 /// Moves the arm behind its three pulse drives: joint angles or their velocities in, absolute pulse

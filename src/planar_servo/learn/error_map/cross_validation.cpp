@@ -48,7 +48,7 @@ Eigen::Matrix2Xd left_out(const RbfMap& map, const MapSites& sites, const Blocks
     const TailBasis tail = tail_like(settings.tail_basis, rest.positions, rest.directions);
     if (tail.terms() == settings.tail_basis.terms()) {
       const auto found = map.left_out_residuals(blocks[b]);
-      if (!found) throw WorkError(kUnsolvable);
+      if (!found) throw WorkError(kUnsolvable, Cause::kInsufficient);
       residuals(Eigen::all, blocks[b]) = *found;
       continue;
     }
@@ -74,7 +74,7 @@ Eigen::Matrix2Xd left_out(const SparseRbfMap& map, const MapSites& sites, const 
     SparseStatistics others = all;
     others.add(of_blocks[b], -1.0);
     const auto fit = solve_ridge(others, settings.tail_basis.terms(), settings.ridge);
-    if (!fit) throw WorkError(kUnsolvable);
+    if (!fit) throw WorkError(kUnsolvable, Cause::kInsufficient);
     residuals(Eigen::all, blocks[b]) =
         sites.errors(Eigen::all, blocks[b]) -
         (basis.at_each(sites.positions(Eigen::all, blocks[b])) * fit->weights).transpose();

@@ -32,7 +32,7 @@ Eigen::Vector2d seen_from(const ErrorField& seen, const Eigen::Vector2d& p) {
       {fmt::format("the error changes so fast near ({:.1f}, {:.1f}) mm that the place seen there "
                    "cannot be found",
                    mm(p.x()), mm(p.y())),
-       "export it by places as seen: grid-csv, numpy or tinshift"});
+       "export it by places as seen: grid-csv, numpy or tinshift", "", Cause::kInsufficient});
 }
 
 /// Returns the step with two digits in millimetres, and not more than it was.
@@ -121,7 +121,7 @@ void add_deviations(const ErrorField& field, SampledError& sampled) {
   sampled.sigma_median = median(sigmas);
   if (!(sampled.sigma_min > 0.0))
     throw InputError(Refusal{"the map states no deviation, by which the step of a grid is chosen",
-                             "fit it again by --method auto"});
+                             "fit it again by --method auto", "", Cause::kMissing});
 }
 
 SampledError judged(const ErrorField& field, GridReading reading, ErrorGrid sampled) {

@@ -80,19 +80,23 @@ std::optional<Refusal> objection(const MapQuality& quality) {
         fmt::format("{:.0f} % of its poses contradict the others, while at most {:.0f} % may: "
                     "pictures, readings and commanded joints may not be of one recording, or the "
                     "arm may have lost its position",
-                    100.0 * quality.contradicting, 100.0 * kMostContradicting)};
+                    100.0 * quality.contradicting, 100.0 * kMostContradicting),
+        "", "", Cause::kContradiction};
   if (quality.n == 0) return std::nullopt;
   if (!quality.worth_using)
     return Refusal{
         "its fit says not to use it: between its places it removes too little of the error, or no "
-        "more than chance would"};
+        "more than chance would",
+        "", "", Cause::kInsufficient};
   const auto components = static_cast<int>(2 * quality.n);
   const auto within = static_cast<int>(std::lround(quality.coverage_95 * components));
   if (binomial_tail(within, components, kLeastCoverage) >= kFalseAlarm) return std::nullopt;
-  return Refusal{fmt::format(
-      "only {:.0f} % of what {} places left out show lies within its stated 95 %: something moved "
-      "while it was recorded, or readings scatter more than the cell file states",
-      100.0 * quality.coverage_95, quality.n)};
+  return Refusal{
+      fmt::format("only {:.0f} % of what {} places left out show lies within its stated 95 %: "
+                  "something moved while it was recorded, or readings scatter more than the cell "
+                  "file states",
+                  100.0 * quality.coverage_95, quality.n),
+      "", "", Cause::kContradiction};
 }
 
 }  // namespace planar

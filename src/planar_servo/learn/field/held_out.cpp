@@ -79,7 +79,9 @@ void leave_out_parts(const JointEstimate& estimate, const std::vector<PoseSample
     if (left_out.empty()) continue;
     auto fit = fit_jointly(estimate.model(), estimate.priors, used, estimate.fit.basis.radius,
                            board, estimate.fit.arm);
-    if (!fit) throw WorkError("the arm cannot be found without a tenth of the readings");
+    if (!fit)
+      throw WorkError("the arm cannot be found without a tenth of the readings",
+                      Cause::kInsufficient);
     JointEstimate without = estimate;
     without.fit = std::move(*fit);
     judge(without, used, left_out);

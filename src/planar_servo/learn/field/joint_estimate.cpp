@@ -329,7 +329,8 @@ JointFit fit_what_agrees(const ArmModel& model, const JointPriors& priors, const
   while (true) {
     auto fit = fit_jointly(model, priors, selection.samples, radius, board);
     if (!fit)
-      throw WorkError("the equations of field and arm are too ill conditioned to be solved");
+      throw WorkError("the equations of field and arm are too ill conditioned to be solved",
+                      Cause::kInsufficient);
     if (share_left_out(selection.left_out, n) > kMostContradicting ||
         !leave_out_worst(*fit, selection))
       return std::move(*fit);
@@ -340,7 +341,7 @@ void check(const std::vector<PoseSample>& samples) {
   if (samples.size() < kFewestPoses)
     throw InputError(
         {fmt::format("{} poses are too few to tell arm and camera apart", samples.size()),
-         fmt::format("{} are needed", kFewestPoses)});
+         fmt::format("{} are needed", kFewestPoses), "", Cause::kInsufficient});
   const auto is_deviation = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0; };
   for (const PoseSample& sample : samples) {
     const bool finite = sample.motors.allFinite() && sample.lamps_B[0].allFinite() &&
@@ -364,7 +365,7 @@ void require_agreement(const JointEstimate& estimate, std::size_t n, const char*
       {fmt::format("{:.0f} of {} {} disagree with the others, but at most {:.0f} % may",
                    estimate.contradicting * static_cast<double>(n), n, what,
                    100.0 * kMostContradicting),
-       "are readings and commanded joints of one recording?"});
+       "are readings and commanded joints of one recording?", "", Cause::kContradiction});
 }
 
 std::size_t readings_in(const std::vector<PoseSample>& samples) {

@@ -59,7 +59,9 @@ Eigen::MatrixXd factor_of(const Eigen::MatrixXd& covariance) {
   Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
   correlation.diagonal().array() += kRounding;
   const auto L = lower_factor(correlation);
-  if (!L) throw WorkError("the covariance of the field is too ill conditioned to be kept");
+  if (!L)
+    throw WorkError("the covariance of the field is too ill conditioned to be kept",
+                    Cause::kInsufficient);
   return sigma.asDiagonal() * *L;
 }
 

@@ -221,7 +221,8 @@ std::optional<Refusal> doubt_of_turns(const LaidDots& board) {
                 "same angle; they",
                 board.lays.size());
   return Refusal{what + " cannot tell a pattern that is printed askew from a picture that is bent",
-                 "lay the board at other turns, too, some of them by 45 to 90 degrees", "lays"};
+                 "lay the board at other turns, too, some of them by 45 to 90 degrees", "lays",
+                 Cause::kInsufficient};
 }
 
 }  // namespace planar

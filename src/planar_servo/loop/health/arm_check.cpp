@@ -91,7 +91,7 @@ ArmFit fit_numbers(const CellModel& model, const std::vector<ArmSight>& sights,
 /// A supposed cause: another kind of model or a suspect's freed numbers, and where to begin.
 struct Supposition {
   const Suspect* suspect{nullptr};
-  Cause cause{Cause::kSeveral};
+  HealthCause cause{HealthCause::kSeveral};
   CellModel model;
   std::vector<Numbers> starts{Numbers::Zero()};
   ArmFit fit{};  ///< the best one from these
@@ -113,7 +113,7 @@ std::vector<double> starts_of(const Suspect& suspect) {
 std::vector<Supposition> freed_numbers(const CellModel& as_filed) {
   std::vector<Supposition> all;
   for (const Suspect& suspect : suspects()) {
-    if (suspect.cause == Cause::kCameraTilted) continue;  // too small beside an arm's own errors
+    if (suspect.cause == HealthCause::kCameraTilted) continue;  // too small beside an arm's errors
     Supposition supposed{&suspect, suspect.cause, as_filed, {}};
     for (const double start : starts_of(suspect)) {
       supposed.starts.emplace_back(Numbers::Zero());
@@ -139,23 +139,24 @@ CellModel with_other_elbow(const CellModel& as_filed, const ArmSight& sight) {
 /// Adds the suppositions of another kind than filed.
 void add_changed_kinds(const CellModel& as_filed, const ArmSight& first,
                        std::vector<Supposition>& all) {
-  const auto suppose = [&](Cause cause) -> CellModel& {
+  const auto suppose = [&](HealthCause cause) -> CellModel& {
     all.push_back({nullptr, cause, as_filed});
     return all.back().model;
   };
-  constexpr Cause kDirections[] = {Cause::kDirection1, Cause::kDirection2, Cause::kDirection3};
+  constexpr HealthCause kDirections[] = {HealthCause::kDirection1, HealthCause::kDirection2,
+                                         HealthCause::kDirection3};
   for (int motor = 0; motor < 3; ++motor) suppose(kDirections[motor]).gears[motor] = -1.0;
   for (const int motor : {1, 2}) {
-    double& rides =
-        suppose(motor == 1 ? Cause::kCoupling2 : Cause::kCoupling3).coupling(motor, motor - 1);
+    double& rides = suppose(motor == 1 ? HealthCause::kCoupling2 : HealthCause::kCoupling3)
+                        .coupling(motor, motor - 1);
     rides = rides == 0.0 ? -1.0 : 0.0;
   }
-  suppose(Cause::kPositiveRotation).sense *= -1.0;
+  suppose(HealthCause::kPositiveRotation).sense *= -1.0;
   if (std::abs(as_filed.links_m[0] - as_filed.links_m[1]) > kMillimetre)
-    suppose(Cause::kLinksExchanged).links_m.reverseInPlace();
-  suppose(Cause::kElbow) = with_other_elbow(as_filed, first);
+    suppose(HealthCause::kLinksExchanged).links_m.reverseInPlace();
+  suppose(HealthCause::kElbow) = with_other_elbow(as_filed, first);
   for (const double turn : {0.0, kPi / 2.0, kPi, -kPi / 2.0}) {
-    suppose(Cause::kPictureMirrored).mirrored = true;
+    suppose(HealthCause::kPictureMirrored).mirrored = true;
     all.back().starts[0][kTurnOff] = turn;
   }
 }
@@ -166,7 +167,7 @@ ArmFit fit_supposed(const std::vector<ArmSight>& sights, const Supposition& supp
   Numbers sigma = usual_deviations();
   if (supposed.suspect != nullptr)
     for (const int number : supposed.suspect->numbers) sigma[number] = kFree;
-  if (supposed.cause == Cause::kPictureMirrored) sigma[kTurnOff] = kFree;
+  if (supposed.cause == HealthCause::kPictureMirrored) sigma[kTurnOff] = kFree;
   ArmFit best;
   for (const Numbers& start : supposed.starts) {
     const ArmFit fit = fit_numbers(supposed.model, sights, start, sigma);
@@ -201,13 +202,14 @@ bool is_absurd(const Supposition& supposed) {
 
 HealthFinding finding_of(const Supposition& supposed, const CellModel& as_filed, double cost_m) {
   if (is_absurd(supposed))
-    return {Cause::kSeveral, mm(cost_m), "mm", cost_m,
+    return {HealthCause::kSeveral, mm(cost_m), "mm", cost_m,
             "nothing that may be wrong with the arm explains what is seen; is the camera file that "
             "of this camera, for whole pictures of this size?"};
   if (supposed.suspect != nullptr) {
     Numbers off = supposed.fit.off;
     // A tool of equal lamps looks the same after half a turn.
-    if (supposed.cause == Cause::kZero3) off[kZeroOff + 2] = std::remainder(off[kZeroOff + 2], kPi);
+    if (supposed.cause == HealthCause::kZero3)
+      off[kZeroOff + 2] = std::remainder(off[kZeroOff + 2], kPi);
     return finding_of(*supposed.suspect, as_filed, off, cost_m);
   }
   return {supposed.cause, std::numeric_limits<double>::quiet_NaN(), "", cost_m,
@@ -219,7 +221,7 @@ HealthFinding finding_of(const Supposition& supposed, const CellModel& as_filed,
 std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
                                            const std::vector<ArmSight>& sights) {
   if (sights.empty()) return {};
-  const double sound = fit_supposed(sights, {nullptr, Cause::kSeveral, as_filed}).chi2;
+  const double sound = fit_supposed(sights, {nullptr, HealthCause::kSeveral, as_filed}).chi2;
   std::vector<Supposition> all = freed_numbers(as_filed);
   add_changed_kinds(as_filed, sights.front(), all);
   std::vector<Supposition> explanations;

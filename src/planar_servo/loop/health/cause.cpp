@@ -13,7 +13,7 @@ namespace planar {
 namespace {
 
 struct Advice {
-  Cause cause;
+  HealthCause cause;
   const char* words;
   const char* redo;
   const char* usable{"all calibration files"};
@@ -35,72 +35,75 @@ constexpr char kUneven[] =
 constexpr char kArm[] = "correct `arm` in the cell file";
 
 constexpr Advice kAdvice[] = {
-    {Cause::kPictureMirrored, "the picture is mirrored",
+    {HealthCause::kPictureMirrored, "the picture is mirrored",
      "switch off the camera's reversal of x or y, or calibrate the camera anew", "nothing"},
-    {Cause::kCameraShifted, "the camera has shifted", kPlaneAgain, kOnlyLens},
-    {Cause::kCameraTurned, "the camera has turned", kPlaneAgain, kOnlyLens},
-    {Cause::kCameraCloser, "the camera has come closer or its lens is focused elsewhere",
+    {HealthCause::kCameraShifted, "the camera has shifted", kPlaneAgain, kOnlyLens},
+    {HealthCause::kCameraTurned, "the camera has turned", kPlaneAgain, kOnlyLens},
+    {HealthCause::kCameraCloser, "the camera has come closer or its lens is focused elsewhere",
      "put the camera back; if it was the lens, begin with planar-calibrate-camera", "tool.yaml"},
-    {Cause::kCameraTilted, "the camera has tilted", kPlaneAgain, kOnlyLens},
-    {Cause::kLamp1Moved, "lamp 1 has moved on the tool", kSweepAgain, kNotTool},
-    {Cause::kLamp2Moved, "lamp 2 has moved on the tool", kSweepAgain, kNotTool},
-    {Cause::kZero1, "joint 1 has lost its zero", kHome},
-    {Cause::kZero2, "joint 2 has lost its zero", kHome},
-    {Cause::kZero3, "joint 3 has lost its zero", kHome},
-    {Cause::kPlay1, "the play of joint 1 has grown", kTighten},
-    {Cause::kPlay2, "the play of joint 2 has grown", kTighten},
-    {Cause::kPlay3, "the play of joint 3 has grown", kTighten},
-    {Cause::kDirection1, "the direction of joint 1 is reversed", kDrives},
-    {Cause::kDirection2, "the direction of joint 2 is reversed", kDrives},
-    {Cause::kDirection3, "the direction of joint 3 is reversed", kDrives},
-    {Cause::kGear1, "the gear ratio of joint 1 is wrong", kDrives},
-    {Cause::kGear2, "the gear ratio of joint 2 is wrong", kDrives},
-    {Cause::kGear3, "the gear ratio of joint 3 is wrong", kDrives},
-    {Cause::kUneven1, "the gear ratio of joint 1 is wrong, or the joint turns unevenly", kUneven},
-    {Cause::kUneven2, "the gear ratio of joint 2 is wrong, or the joint turns unevenly", kUneven},
-    {Cause::kUneven3, "the gear ratio of joint 3 is wrong, or the joint turns unevenly", kUneven},
-    {Cause::kLink1, "link 1 has another length", kArm},
-    {Cause::kLink2, "link 2 has another length", kArm},
-    {Cause::kLinksExchanged, "the lengths of the links are exchanged", kArm},
-    {Cause::kCoupling2, "the coupling of joint 2 is wrong", kArm},
-    {Cause::kCoupling3, "the coupling of joint 3 is wrong", kArm},
-    {Cause::kPositiveRotation, "the joints turn in the other sense than positive_rotation says",
-     kArm},
-    {Cause::kElbow, "the arm stands with its other elbow",
+    {HealthCause::kCameraTilted, "the camera has tilted", kPlaneAgain, kOnlyLens},
+    {HealthCause::kLamp1Moved, "lamp 1 has moved on the tool", kSweepAgain, kNotTool},
+    {HealthCause::kLamp2Moved, "lamp 2 has moved on the tool", kSweepAgain, kNotTool},
+    {HealthCause::kZero1, "joint 1 has lost its zero", kHome},
+    {HealthCause::kZero2, "joint 2 has lost its zero", kHome},
+    {HealthCause::kZero3, "joint 3 has lost its zero", kHome},
+    {HealthCause::kPlay1, "the play of joint 1 has grown", kTighten},
+    {HealthCause::kPlay2, "the play of joint 2 has grown", kTighten},
+    {HealthCause::kPlay3, "the play of joint 3 has grown", kTighten},
+    {HealthCause::kDirection1, "the direction of joint 1 is reversed", kDrives},
+    {HealthCause::kDirection2, "the direction of joint 2 is reversed", kDrives},
+    {HealthCause::kDirection3, "the direction of joint 3 is reversed", kDrives},
+    {HealthCause::kGear1, "the gear ratio of joint 1 is wrong", kDrives},
+    {HealthCause::kGear2, "the gear ratio of joint 2 is wrong", kDrives},
+    {HealthCause::kGear3, "the gear ratio of joint 3 is wrong", kDrives},
+    {HealthCause::kUneven1, "the gear ratio of joint 1 is wrong, or the joint turns unevenly",
+     kUneven},
+    {HealthCause::kUneven2, "the gear ratio of joint 2 is wrong, or the joint turns unevenly",
+     kUneven},
+    {HealthCause::kUneven3, "the gear ratio of joint 3 is wrong, or the joint turns unevenly",
+     kUneven},
+    {HealthCause::kLink1, "link 1 has another length", kArm},
+    {HealthCause::kLink2, "link 2 has another length", kArm},
+    {HealthCause::kLinksExchanged, "the lengths of the links are exchanged", kArm},
+    {HealthCause::kCoupling2, "the coupling of joint 2 is wrong", kArm},
+    {HealthCause::kCoupling3, "the coupling of joint 3 is wrong", kArm},
+    {HealthCause::kPositiveRotation,
+     "the joints turn in the other sense than positive_rotation says", kArm},
+    {HealthCause::kElbow, "the arm stands with its other elbow",
      "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
-    {Cause::kHome, "the arm's home is not where the cell file says",
+    {HealthCause::kHome, "the arm's home is not where the cell file says",
      "correct `arm.home_deg` in the cell file or home the drives with planar-jog"},
-    {Cause::kNotVisited, "the arm cannot go where the check needs it",
+    {HealthCause::kNotVisited, "the arm cannot go where the check needs it",
      "correct `arm` and `workspace` in the cell file, bring the arm into its workspace with "
      "planar-jog, or move without the check (--no-health)"},
-    {Cause::kSeparation,
+    {HealthCause::kSeparation,
      "a lamp, the cell file's separation or the camera file is not that of this cell",
      "fasten the lamp, correct `lamps.separation_mm`, or name this camera's own file"},
-    {Cause::kNotSeen, "the lamps are not seen",
+    {HealthCause::kNotSeen, "the lamps are not seen",
      "check that both lamps are lit, in view of the camera and in focus"},
-    {Cause::kBackground, "there is light from elsewhere",
+    {HealthCause::kBackground, "there is light from elsewhere",
      "shade the cell or switch that light off"},
-    {Cause::kTooBright, "a lamp is too bright",
+    {HealthCause::kTooBright, "a lamp is too bright",
      "reduce the exposure or the lamp's current to what they were at the calibration"},
-    {Cause::kBlurred, "the picture is blurred",
+    {HealthCause::kBlurred, "the picture is blurred",
      "clean the window and the lamps; if the lens has lost its focus, begin with "
      "planar-calibrate-camera"},
-    {Cause::kUnclearLamp, "the rim of one lamp is unclear",
+    {HealthCause::kUnclearLamp, "the rim of one lamp is unclear",
      "clean that lamp and the window before it, and look whether it shines evenly"},
-    {Cause::kOval, "a lamp is no longer round",
+    {HealthCause::kOval, "a lamp is no longer round",
      "clean the lamp; check what covers it and whether light is reflected beside it"},
-    {Cause::kWarmth,
+    {HealthCause::kWarmth,
      "the motors' warmth has changed the arm, or the camera has come closer or its lens is focused "
      "elsewhere",
      "nothing, if the arm has worked for a while; fixed lamps in view would tell the two apart"},
-    {Cause::kView, "the view has changed there alone",
+    {HealthCause::kView, "the view has changed there alone",
      "clean window and lens, and look for what stands in the way or is reflected there"},
-    {Cause::kSeveral, "more than one thing has changed",
+    {HealthCause::kSeveral, "more than one thing has changed",
      "look at camera, lamps and arm; then calibrate what was touched",
      "nothing, until the causes are known"},
 };
 
-const Advice& advice(Cause cause) {
+const Advice& advice(HealthCause cause) {
   for (const Advice& entry : kAdvice)
     if (entry.cause == cause) return entry;
   throw std::invalid_argument("a cause without advice");
@@ -114,9 +117,10 @@ bool is_gear(const Suspect& suspect) {
 
 /// Returns the cause. A gear that is nearly right may be right and an eccentric part have turned
 /// the joint: no mistaken count of teeth or steps is as near.
-Cause cause_of(const Suspect& suspect, const Numbers& off) {
+HealthCause cause_of(const Suspect& suspect, const Numbers& off) {
   constexpr double kNearlyRight = 0.01;
-  constexpr Cause kUnevenOf[] = {Cause::kUneven1, Cause::kUneven2, Cause::kUneven3};
+  constexpr HealthCause kUnevenOf[] = {HealthCause::kUneven1, HealthCause::kUneven2,
+                                       HealthCause::kUneven3};
   const int number = suspect.numbers[0];
   return is_gear(suspect) && std::abs(off[number]) < kNearlyRight ? kUnevenOf[number - kGearOff]
                                                                   : suspect.cause;
@@ -157,45 +161,45 @@ LampPlaces lamps_seen(const CellModel& model, const Eigen::Vector3d& motors, con
   return {pictured(model, off, tip + R * lamp1_T), pictured(model, off, tip + R * lamp2_T)};
 }
 
-const char* words(Cause cause) {
+const char* words(HealthCause cause) {
   return advice(cause).words;
 }
 
-const char* usable(Cause cause) {
+const char* usable(HealthCause cause) {
   return advice(cause).usable;
 }
 
-const char* redo(Cause cause) {
+const char* redo(HealthCause cause) {
   return advice(cause).redo;
 }
 
 const std::vector<Suspect>& suspects() {
   static const std::vector<Suspect> all{
-      {Cause::kCameraShifted, {kShiftOff, kShiftOff + 1}, kMillimetres, kMillimetre},
-      {Cause::kCameraTurned, {kTurnOff}, kDegrees, kDegree},
-      {Cause::kCameraCloser, {kGrowthOff}, "%", 0.01},
-      {Cause::kCameraTilted,
+      {HealthCause::kCameraShifted, {kShiftOff, kShiftOff + 1}, kMillimetres, kMillimetre},
+      {HealthCause::kCameraTurned, {kTurnOff}, kDegrees, kDegree},
+      {HealthCause::kCameraCloser, {kGrowthOff}, "%", 0.01},
+      {HealthCause::kCameraTilted,
        {kShiftOff, kShiftOff + 1, kTiltOff, kTiltOff + 1},
        kMillimetres,
        kMillimetre},
-      {Cause::kLamp1Moved, {kLampOff, kLampOff + 1}, kMillimetres, kMillimetre},
-      {Cause::kLamp2Moved, {kLampOff + 2, kLampOff + 3}, kMillimetres, kMillimetre},
-      {Cause::kZero1, {kZeroOff}, kDegrees, kDegree},
-      {Cause::kZero2, {kZeroOff + 1}, kDegrees, kDegree},
-      {Cause::kZero3, {kZeroOff + 2}, kDegrees, kDegree},
-      {Cause::kHome, {kZeroOff, kZeroOff + 1, kZeroOff + 2}, kMillimetres, kMillimetre},
-      {Cause::kGear1, {kGearOff}, kTurns, 1.0},
-      {Cause::kGear2, {kGearOff + 1}, kTurns, 1.0},
-      {Cause::kGear3, {kGearOff + 2}, kTurns, 1.0},
-      {Cause::kLink1, {kLinkOff}, kMillimetres, kMillimetre},
-      {Cause::kLink2, {kLinkOff + 1}, kMillimetres, kMillimetre}};
+      {HealthCause::kLamp1Moved, {kLampOff, kLampOff + 1}, kMillimetres, kMillimetre},
+      {HealthCause::kLamp2Moved, {kLampOff + 2, kLampOff + 3}, kMillimetres, kMillimetre},
+      {HealthCause::kZero1, {kZeroOff}, kDegrees, kDegree},
+      {HealthCause::kZero2, {kZeroOff + 1}, kDegrees, kDegree},
+      {HealthCause::kZero3, {kZeroOff + 2}, kDegrees, kDegree},
+      {HealthCause::kHome, {kZeroOff, kZeroOff + 1, kZeroOff + 2}, kMillimetres, kMillimetre},
+      {HealthCause::kGear1, {kGearOff}, kTurns, 1.0},
+      {HealthCause::kGear2, {kGearOff + 1}, kTurns, 1.0},
+      {HealthCause::kGear3, {kGearOff + 2}, kTurns, 1.0},
+      {HealthCause::kLink1, {kLinkOff}, kMillimetres, kMillimetre},
+      {HealthCause::kLink2, {kLinkOff + 1}, kMillimetres, kMillimetre}};
   return all;
 }
 
 HealthFinding finding_of(const Suspect& suspect, const CellModel& as_filed, const Numbers& off,
                          double cost_m) {
   const int number = suspect.numbers.front();
-  const Cause cause = cause_of(suspect, off);
+  const HealthCause cause = cause_of(suspect, off);
   HealthFinding finding{cause, size_of(suspect, off, cost_m), suspect.unit, cost_m, words(cause)};
   if (is_gear(suspect)) {
     finding.fault += fmt::format(": it turns {:.4f} times as far as commanded", finding.size);

@@ -47,7 +47,7 @@ LampPlaces lamps_seen(const CellModel& model, const Eigen::Vector3d& motors,
                       const Numbers& off = Numbers::Zero());
 
 /// Names what no longer agrees, or never agreed, with the files of a cell.
-enum class Cause {
+enum class HealthCause {
   kPictureMirrored,
   kCameraShifted,
   kCameraTurned,
@@ -92,25 +92,28 @@ enum class Cause {
 };
 
 /// Returns the cause in words, such as "the camera has shifted".
-const char* words(Cause cause);
+const char* words(HealthCause cause);
 
 /// Returns what of the calibration still holds.
-const char* usable(Cause cause);
+const char* usable(HealthCause cause);
 
 /// Returns what is to be done.
-const char* redo(Cause cause);
+const char* redo(HealthCause cause);
 
 /// Holds one thing that was found out of order.
 struct HealthFinding : Refusal {
-  Cause cause{Cause::kSeveral};
+  HealthCause what{HealthCause::kSeveral};
   double size{0.0};  ///< in `unit`; NaN for what has no size
   const char* unit{""};
   double cost_m{0.0};  ///< the most it displaces the end point or its command
 
-  HealthFinding(Cause found, double its_size, const char* its_unit, double its_cost_m,
+  HealthFinding(HealthCause found, double its_size, const char* its_unit, double its_cost_m,
                 const std::string& sentence)
-      : Refusal{sentence, redo(found)},
-        cause(found),
+      : Refusal{sentence, redo(found), "",
+                found == HealthCause::kNotVisited ? Cause::kUnreachable
+                : found == HealthCause::kNotSeen  ? Cause::kInsufficient
+                                                  : Cause::kContradiction},
+        what(found),
         size(its_size),
         unit(its_unit),
         cost_m(its_cost_m) {}
@@ -118,7 +121,7 @@ struct HealthFinding : Refusal {
 
 /// A cause with the numbers that it makes differ from the cell's files.
 struct Suspect {
-  Cause cause{Cause::kSeveral};
+  HealthCause cause{HealthCause::kSeveral};
   std::vector<int> numbers;  ///< indices into Numbers
   const char* unit{""};
   double unit_size{1.0};  ///< the unit in metres, radians or 1

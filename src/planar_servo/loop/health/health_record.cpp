@@ -15,7 +15,7 @@ namespace {
 
 /// What of a lamp is compared between looks.
 struct LookFeature {
-  Cause cause;
+  HealthCause cause;
   double (*value)(const LampLook&);
   bool counts_above;   ///< out of the range is a fault above it, else below
   double least_width;  ///< of a range: what noise does to one look
@@ -25,13 +25,13 @@ struct LookFeature {
 
 /// Noise makes the widths: two grey levels, a tenth of the blur, one per cent of 30 px and more.
 const LookFeature kLookFeatures[] = {
-    {Cause::kBackground, [](const LampLook& look) { return look.background; }, true, 2.0,
+    {HealthCause::kBackground, [](const LampLook& look) { return look.background; }, true, 2.0,
      "{}: the background of lamp {} is {:.0f} of 255, was {:.0f} to {:.0f}", "levels"},
-    {Cause::kTooBright, [](const LampLook& look) { return look.contrast(); }, true, 5.0,
+    {HealthCause::kTooBright, [](const LampLook& look) { return look.contrast(); }, true, 5.0,
      "{}: lamp {} is {:.0f} levels above its background, was {:.0f} to {:.0f}", "levels"},
-    {Cause::kBlurred, [](const LampLook& look) { return look.blur_px; }, true, 0.1,
+    {HealthCause::kBlurred, [](const LampLook& look) { return look.blur_px; }, true, 0.1,
      "{}: the rim of lamp {} is blurred by {:.2f} px, was {:.2f} to {:.2f}", "px"},
-    {Cause::kOval, [](const LampLook& look) { return look.axis_ratio; }, false, 0.01,
+    {HealthCause::kOval, [](const LampLook& look) { return look.axis_ratio; }, false, 0.01,
      "{}: the axes of lamp {} are as {:.2f} to 1, were {:.2f} to {:.2f}", ""},
 };
 
@@ -122,8 +122,8 @@ std::optional<HealthFinding> find_light_change(const LookRanges& then,
     };
     for (std::size_t lamp = 0; lamp < 2; ++lamp) {
       if (!has_changed(lamp)) continue;
-      const bool alone = feature.cause == Cause::kBlurred && !has_changed(1 - lamp);
-      const Cause cause = alone ? Cause::kUnclearLamp : feature.cause;
+      const bool alone = feature.cause == HealthCause::kBlurred && !has_changed(1 - lamp);
+      const HealthCause cause = alone ? HealthCause::kUnclearLamp : feature.cause;
       const double value = mean_of(now, lamp, feature);
       return HealthFinding{
           cause, value, feature.unit, cost_m,

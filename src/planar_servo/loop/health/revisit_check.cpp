@@ -144,9 +144,9 @@ std::vector<HealthFinding> find_warmth(const CellModel& model,
   const double off_m = cost_of(revisits);
   const Eigen::VectorXd d = Whitened(model, revisits, false).d;
   if (off_m < kWorthAWord_m || is_noise(d.squaredNorm(), d.size())) return {};
-  return {{Cause::kWarmth, mm(off_m), "mm", 0.0,
+  return {{HealthCause::kWarmth, mm(off_m), "mm", 0.0,
            fmt::format("{}: the tool is seen up to {:.3f} mm from where it was",
-                       words(Cause::kWarmth), mm(off_m))}};
+                       words(HealthCause::kWarmth), mm(off_m))}};
 }
 
 }  // namespace
@@ -189,9 +189,9 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
   const ChangeFit& best = fits.front();
   // A cause is named as long as less than a third of the displacement is left unexplained.
   if (!is_noise(best.chi2, d.size()) && best.chi2 > 0.1 * d.squaredNorm())
-    return {{Cause::kSeveral, mm(cost_m), "mm", cost_m,
+    return {{HealthCause::kSeveral, mm(cost_m), "mm", cost_m,
              fmt::format("{}; the tool is seen up to {:.3f} mm from where it was",
-                         words(Cause::kSeveral), mm(cost_m))}};
+                         words(HealthCause::kSeveral), mm(cost_m))}};
   std::vector<HealthFinding> found{finding_of(*best.suspect, model, best.off, cost_m)};
   const auto second = std::find_if(fits.begin() + 1, fits.end(), [&](const ChangeFit& fit) {
     const bool alike = fit.suspect->numbers.size() == best.suspect->numbers.size();
@@ -205,7 +205,7 @@ std::vector<HealthFinding> find_changes(const CellModel& model,
 
 std::vector<HealthFinding> find_play(const CellModel& model, const Revisit& from_both_sides,
                                      double allowed) {
-  constexpr Cause kPlay[] = {Cause::kPlay1, Cause::kPlay2, Cause::kPlay3};
+  constexpr HealthCause kPlay[] = {HealthCause::kPlay1, HealthCause::kPlay2, HealthCause::kPlay3};
   const Eigen::MatrixXd J = displacements(model, {from_both_sides}).middleCols<3>(kZeroOff);
   const Eigen::VectorXd play = solve_least_squares(J, differences({from_both_sides}));
   std::vector<HealthFinding> found;

@@ -25,7 +25,8 @@ std::optional<Doubt> old(const GuardedLook& look) {
   const double age_s = look.arrived_s - look.measurement.t_s;
   if (age_s <= kClockUncertainty_s) return std::nullopt;
   return Doubt{
-      {fmt::format("the picture was taken {:.3f} s before the arm had come to rest", age_s)}};
+      {fmt::format("the picture was taken {:.3f} s before the arm had come to rest", age_s), "", "",
+       Cause::kInsufficient}};
 }
 
 std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
@@ -34,7 +35,8 @@ std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
   return Doubt{{fmt::format("vision is uncertain by +- {:.3f} mm", mm(noise_m)),
                 fmt::format("allowed is {:.3f} mm: are the lamps dim or partly covered, or is the "
                             "exposure too short?",
-                            mm(limits.noise_m))}};
+                            mm(limits.noise_m)),
+                "", Cause::kInsufficient}};
 }
 
 std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& m) {
@@ -44,7 +46,8 @@ std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& 
   return Doubt{{fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm "
                             "apart at the calibration: has a lamp moved on the tool? {}",
                             mm(separation_m), mm(limits.separation_m),
-                            mm(limits.separation_tolerance_m), kAskCell)},
+                            mm(limits.separation_tolerance_m), kAskCell),
+                "", "", Cause::kContradiction},
                true};
 }
 
@@ -57,7 +60,8 @@ std::optional<Doubt> displaced(const GuardLimits& limits, const GuardedLook& loo
        fmt::format(
            "this cell allows {:.2f} mm: has the camera moved or a drive lost its position, or are "
            "the arm's links, gears, directions or coupling not as the cell file says? {}",
-           mm(limits.distance_m), kAskCell)},
+           mm(limits.distance_m), kAskCell),
+       "", Cause::kContradiction},
       true,
       off_m <= kFarthestStray_m};
 }
@@ -70,7 +74,8 @@ std::optional<Doubt> turned(const GuardLimits& limits, const GuardedLook& look) 
                    off / kDegree),
        fmt::format("this cell allows {:.2f} deg: has joint 3 lost its zero, has a lamp moved, or "
                    "are direction or coupling of joint 3 not as the cell file says? {}",
-                   limits.turn / kDegree, kAskCell)},
+                   limits.turn / kDegree, kAskCell),
+       "", Cause::kContradiction},
       true};
 }
 
@@ -79,7 +84,8 @@ std::optional<Doubt> overcorrected(const GuardLimits& limits, const TipMeasureme
   return Doubt{{fmt::format("the error map would correct by {:.3f} mm", mm(m.correction.norm())),
                 fmt::format("within its region it never corrects by more than {:.3f} mm: record "
                             "training positions here",
-                            mm(limits.correction_m))}};
+                            mm(limits.correction_m)),
+                "", Cause::kInsufficient}};
 }
 
 std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
@@ -93,7 +99,8 @@ std::optional<Doubt> jumped(const GuardLimits& limits, const GuardedLook& look,
                             place_mm(commanded)),
                 fmt::format("they differ by {:.3f} mm: does the camera see a reflection, has it "
                             "been touched, or does a joint slip? {}",
-                            mm(off_m), kAskCell)},
+                            mm(off_m), kAskCell),
+                "", Cause::kContradiction},
                true,
                off_m <= kFarthestStray_m};
 }

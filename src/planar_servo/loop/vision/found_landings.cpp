@@ -103,7 +103,8 @@ std::optional<Refusal> FollowingError::doubt() const {
                   looks_.back().t_s - looks_.front().t_s, looks_.size(), mm(rms_m), mm(mean_m.x()),
                   mm(mean_m.y()), mm(fitted.segment<2>(2).norm())),
       "neither scatter nor warmth explains that: does the camera move, or does a drive lose steps? "
-      "planar-check-cell says what has moved"};
+      "planar-check-cell says what has moved",
+      "", Cause::kContradiction};
 }
 
 void LampAgreement::take(double separation_m, double turn) {
@@ -170,16 +171,18 @@ void FoundLandings::learn(const SeenLanding& seen) {
   }
   if (!seen.stays_off) return;
   const bool agrees = lamps_.agrees(separation_m, turn);
-  of_view_ = {{fmt::format(
-                  "the tool is seen {:.3f} mm from where the arm should land, again after the arm "
-                  "went away and came back, and {}: is something on the camera's window or in its "
-                  "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
-                  "has moved",
-                  mm((seen.look.tip.p - landed.p).norm()),
-                  agrees           ? "the lamps stand to each other as at other targets"
-                  : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
-                                   : "too few other targets were seen to compare the lamps with")},
-              lamps_.knows() && !agrees};
+  of_view_ = {
+      {fmt::format(
+           "the tool is seen {:.3f} mm from where the arm should land, again after the arm "
+           "went away and came back, and {}: is something on the camera's window or in its "
+           "view (a drop, a reflection), or does the arm stray? planar-check-cell says what "
+           "has moved",
+           mm((seen.look.tip.p - landed.p).norm()),
+           agrees           ? "the lamps stand to each other as at other targets"
+           : lamps_.knows() ? "the lamps do not stand to each other as at other targets"
+                            : "too few other targets were seen to compare the lamps with"),
+       "", "", Cause::kContradiction},
+      lamps_.knows() && !agrees};
 }
 
 std::optional<Doubt> FoundLandings::doubt() const {

@@ -203,7 +203,8 @@ void ReferenceWatch::look(const Frame& frame) {
   if (sights.size() < kLeastLamps) {
     objection_ = {fmt::format("{} of {} reference lamps are seen, fewer than {}", sights.size(),
                               lamps_.size(), kLeastLamps),
-                  "uncover them, or calibrate again if the camera was moved"};
+                  "uncover them, or calibrate again if the camera was moved", "",
+                  Cause::kInsufficient};
     return;
   }
   take_motion(sights);
@@ -237,7 +238,8 @@ void ReferenceWatch::take_motion(const std::vector<Sight>& sights) {
     objection_ = {
         fmt::format("the reference lamps disagree by up to {:.3f} px, more than noise explains",
                     fit ? farthest_px(*fit) : 0.0),
-        "lens or lamps have moved and the calibration is void: record and calibrate again"};
+        "lens or lamps have moved and the calibration is void: record and calibrate again", "",
+        Cause::kContradiction};
     return;
   }
   motion_ = fit->motion;

@@ -121,8 +121,8 @@ double TrackerJudge::common_sigma() const {
 
 void require_judging_tracker(const CellSettings& cell) {
   const auto refuse = [&](const std::string& why, const std::string& remedy) {
-    throw InputError(
-        {"nobody can judge this cell, which has no virtual truth: " + why, remedy, cell.file});
+    throw InputError({"nobody can judge this cell, which has no virtual truth: " + why, remedy,
+                      cell.file, Cause::kMissing});
   };
   if (!cell.tracker.kind->measures())
     refuse("tracker.source is none",
@@ -141,7 +141,8 @@ JudgeKind judge_of(const CellSettings& cell, const ToolOffsets& tool) {
     throw InputError(
         {"does not say where the reflector sits on the tool, so the tracker cannot judge the end "
          "point",
-         "calibrate with the tracker (planar-record, planar-pair-tracker)", cell.tool});
+         "calibrate with the tracker (planar-record, planar-pair-tracker)", cell.tool,
+         Cause::kMissing});
   return JudgeKind::kTracker;
 }
 

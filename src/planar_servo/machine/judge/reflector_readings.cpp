@@ -109,10 +109,11 @@ std::string MonumentRound::distance_words(const MonumentSight& monument) const {
 }
 
 WorkError no_reading_of(const std::string& what, const std::string& fault) {
-  return WorkError(fmt::format(
-      "the tracker gives no reading of the {}: {}; clear the tracker's view and look at "
-      "its program, then start again to continue",
-      what, fault));
+  return WorkError(
+      fmt::format("the tracker gives no reading of the {}: {}; clear the tracker's view and look "
+                  "at its program, then start again to continue",
+                  what, fault),
+      Cause::kDevice);
 }
 
 ReflectorReadings::ReflectorReadings(const CellSettings& cell, Tracker& tracker, GrowingFile& table,
@@ -132,7 +133,7 @@ std::vector<MonumentSeen> ReflectorReadings::read_monuments(std::vector<Monument
     throw WorkError(
         {fmt::format("{} of {} monuments were read; at least {} tie the tracker to the base", read,
                      cell_.datum.size(), needed),
-         "read the others, too"});
+         "read the others, too", "", Cause::kInsufficient});
   if (const Refusal doubt = round.doubt(); !doubt.fault.empty()) spdlog::warn(doubt.text());
   return round.seen();
 }
@@ -166,7 +167,7 @@ std::optional<std::vector<MonumentSeen>> ReflectorReadings::take_monument(const 
                                                                           int count) {
   std::vector<MonumentSeen> readings;
   for (int left = count, failures = 0; left > 0;) {
-    if (stop_ && stop_()) throw WorkError("stopped while the monuments were read");
+    if (stop_ && stop_()) throw WorkError("stopped while the monuments were read", Cause::kStopped);
     const TrackerAnswer answer = tracker_.measure_monument(id);
     switch (answer.status) {
       case TrackerStatus::kOk:

@@ -34,8 +34,8 @@ constexpr double kSeemingTime_s = 0.05;
 fs::path checked_program(const fs::path& simulator) {
   fs::path program = fs::absolute(simulator);
   if (fs::is_regular_file(program) && access(program.c_str(), X_OK) == 0) return program;
-  throw InputError(
-      {"is no program that can be run", "name Grbl's simulator, such as grbl_sim", simulator});
+  throw InputError({"is no program that can be run", "name Grbl's simulator, such as grbl_sim",
+                    simulator, Cause::kMissing});
 }
 
 std::vector<std::string> commands_of(const EmulatedGrbl::Settings& settings) {
@@ -60,7 +60,7 @@ Eigen::Vector3d of_axes(const EmulatedGrbl::Settings& settings, int first, doubl
 PassingFolder::PassingFolder(const std::string& name) {
   std::string pattern = (fs::temp_directory_path() / (name + "-XXXXXX")).string();
   if (mkdtemp(pattern.data()) == nullptr)
-    throw WorkError({"no folder can be made there", "is the disk full?", pattern});
+    throw WorkError({"no folder can be made there", "is the disk full?", pattern, Cause::kSystem});
   path_ = pattern;
 }
 
@@ -112,7 +112,7 @@ FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<st
   posix_spawn_file_actions_destroy(&files);
   if (fault != 0)
     throw WorkError({simulator_.string() + " cannot be started by stdbuf",
-                     "install coreutils, which has stdbuf"});
+                     "install coreutils, which has stdbuf", "", Cause::kMissing});
 }
 
 std::string FirmwareProcess::wait_for(std::string_view beginning, const std::string& purpose) {
@@ -129,17 +129,18 @@ std::string FirmwareProcess::wait_for(std::string_view beginning, const std::str
   }
   throw WorkError({fmt::format("{} has not answered {} with '{}' within {:g} s",
                                simulator_.string(), purpose, beginning, kAnswerPatience_s),
-                   "name Grbl's simulator, such as grbl_sim"});
+                   "name Grbl's simulator, such as grbl_sim", "", Cause::kDevice});
 }
 
 void FirmwareProcess::require_running() {
   int status = 0;
   if (process_ > 0 && waitpid(process_, &status, WNOHANG) == 0) return;
   process_ = -1;
-  throw WorkError(fmt::format("{} has ended {}; start it again", simulator_.string(),
-                              WIFSIGNALED(status)
-                                  ? fmt::format("by signal {}", WTERMSIG(status))
-                                  : fmt::format("with status {}", WEXITSTATUS(status))));
+  throw WorkError(
+      fmt::format("{} has ended {}; start it again", simulator_.string(),
+                  WIFSIGNALED(status) ? fmt::format("by signal {}", WTERMSIG(status))
+                                      : fmt::format("with status {}", WEXITSTATUS(status))),
+      Cause::kDevice);
 }
 
 void FirmwareProcess::end() {

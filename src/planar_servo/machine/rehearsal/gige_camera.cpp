@@ -70,10 +70,12 @@ GigeCamera::GigeCamera(const std::string& address, const std::string& serial,
   const bool can_run = is_free(address);
   if (can_run) server_.reset(arv_gv_fake_camera_new(address.c_str(), serial.c_str()));
   if (!can_run || !arv_gv_fake_camera_is_running(server_.get()))
-    throw WorkError(fmt::format(
-        "{0}: no GigE camera can be served at this address; no interface of this machine "
-        "has it (sudo ip address add {0}/8 dev lo), or another camera has its port {1}",
-        address, kControlPort));
+    throw WorkError(
+        fmt::format(
+            "{0}: no GigE camera can be served at this address; no interface of this machine "
+            "has it (sudo ip address add {0}/8 dev lo), or another camera has its port {1}",
+            address, kControlPort),
+        Cause::kSystem);
   show_on(arv_gv_fake_camera_get_fake_camera(server_.get()), exposure_, sensor_px, frame_rate_hz);
 }
 

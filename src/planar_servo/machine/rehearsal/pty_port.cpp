@@ -19,7 +19,7 @@ void PtyPort::plug_in() {
   cfmakeraw(&raw);
   std::array<char, 100> device{};
   if (openpty(&inner_, &outer_, device.data(), &raw, nullptr) != 0)
-    throw WorkError("no pseudo-terminal can be opened");
+    throw WorkError("no pseudo-terminal can be opened", Cause::kSystem);
   for (const int end : {inner_, outer_}) fcntl(end, F_SETFD, FD_CLOEXEC);
   std::error_code error;
   if (std::filesystem::is_symlink(name_)) std::filesystem::remove(name_, error);
@@ -27,7 +27,7 @@ void PtyPort::plug_in() {
   if (!error) return;
   for (int* end : {&inner_, &outer_}) close(std::exchange(*end, -1));
   throw InputError({"no link to the serial port can be made here: " + error.message(),
-                    "name another place", name_});
+                    "name another place", name_, Cause::kSystem});
 }
 
 void PtyPort::unplug() {

@@ -61,7 +61,8 @@ class LinePort {
       return;
     const std::string why = is_address ? std::strerror(errno) : "it is no IPv4 address";
     close(listener_);
-    throw WorkError(fmt::format("no tracker can be served on {}:{}: {}", host, port, why));
+    throw WorkError(fmt::format("no tracker can be served on {}:{}: {}", host, port, why),
+                    is_address ? Cause::kSystem : Cause::kInvalid);
   }
   ~LinePort() {
     for (const int client : clients_) close(client);

@@ -51,7 +51,7 @@ void require_real_time(const fs::path& firmware, const std::string& banner) {
   throw WorkError(
       {fmt::format("{} is '{}', whose simulator takes 20 ms for each byte, too slow for real time",
                    firmware.string(), banner),
-       "name the simulator of Grbl 1.1"});
+       "name the simulator of Grbl 1.1", "", Cause::kForeign});
 }
 
 }  // namespace
@@ -85,14 +85,15 @@ std::vector<MotorTrail::Pulses> MotorTrail::take() {
 ShaftPipe::ShaftPipe(fs::path pipe, EmulatedGrbl::OnPosition on_position)
     : pipe_(std::move(pipe)), on_position_(std::move(on_position)) {
   if (fs::exists(pipe_) && !fs::is_fifo(pipe_))
-    throw InputError({"is a file, where the pipe of the motors is to be", "move it", pipe_});
+    throw InputError(
+        {"is a file, where the pipe of the motors is to be", "move it", pipe_, Cause::kExists});
   fs::remove(pipe_);
   constexpr mode_t kOwner = 0600;
   // Open for writing, too, so that it has no end when a writer goes.
   descriptor_ = mkfifo(pipe_.c_str(), kOwner) == 0 ? open(pipe_.c_str(), O_RDWR | O_CLOEXEC) : -1;
   if (descriptor_ < 0)
     throw InputError({fmt::format("cannot be made: {}", std::strerror(errno)),
-                      "serve a cell whose folder can hold a pipe", pipe_});
+                      "serve a cell whose folder can hold a pipe", pipe_, Cause::kSystem});
   lines_.emplace(descriptor_);
   constexpr double kPeriod_s = 1e-3;
   reader_.emplace(kPeriod_s, [this] { read(); });
@@ -115,7 +116,7 @@ void ShaftPipe::read() {
     text >> counts[0] >> counts[1] >> counts[2];
     if (!text || !(text >> std::ws).eof())
       throw WorkError({fmt::format("'{}' is not where three motors are", line),
-                       "write three counts to a line", pipe_});
+                       "write three counts to a line", pipe_, Cause::kDevice});
     if (recounts) zero_ = here_ - counts;
     here_ = counts + zero_;
     on_position_(here_);

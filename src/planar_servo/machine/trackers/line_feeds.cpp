@@ -56,7 +56,7 @@ FileFeed::FileFeed(std::filesystem::path path, ReadingStream& stream)
   if (!open())
     throw WorkError({fmt::format("cannot be read ({})", std::strerror(errno)),
                      "start the tracker's program first, or correct tracker.path",
-                     "tracker: " + path_.string()});
+                     "tracker: " + path_.string(), Cause::kDevice});
   read_rest();
   constexpr double kPeriod_s = 0.01;
   follower_.emplace(kPeriod_s, [this] { follow(); });
@@ -124,7 +124,7 @@ TcpFeed::TcpFeed(const std::string& address, ReadingStream& stream) : stream_(st
   const std::string fault = connect();
   if (!fault.empty())
     throw WorkError({fault, "start the tracker's program first, or correct tracker.address",
-                     "tracker: " + address});
+                     "tracker: " + address, Cause::kDevice});
   receiver_ = std::thread([this] { serve(); });
 }
 

@@ -197,7 +197,8 @@ void StreamTracker::await_tool() {
     const TrackerAnswer answer =
         wait_for([&](const StreamedReading& reading) { return is_of_tool(reading); });
     if (answer.status != TrackerStatus::kOk)
-      throw WorkError("the reflector was not placed back on the tool: " + answer.fault);
+      throw WorkError("the reflector was not placed back on the tool: " + answer.fault,
+                      Cause::kDevice);
   }
   if (!has_ids_ || person_->is_attended())
     person_->ask(fmt::format("{} and press Enter; the arm will move: ", kBackOnTool));
@@ -246,7 +247,8 @@ std::optional<StreamEvent> StreamTracker::hear(double patience_s) {
   const SteadyClock clock;
   const double end_s = clock.now_s() + patience_s;
   for (double left_s = patience_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
-    if (stop_ && stop_()) throw WorkError("stopped while the tracker was waited for");
+    if (stop_ && stop_())
+      throw WorkError("stopped while the tracker was waited for", Cause::kStopped);
     if (auto event = stream_->next(std::min(left_s, kStopPeriod_s))) return event;
   }
   return std::nullopt;

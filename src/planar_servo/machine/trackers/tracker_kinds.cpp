@@ -54,7 +54,7 @@ void read_dialect(Fields& tracker, TrackerDialect& dialect) {
 
 Finding tracker_finding(Finding::Verdict verdict, const std::string& what,
                         const std::string& remedy = "") {
-  return {{what, remedy, "tracker"}, verdict};
+  return {{what, remedy, "tracker", Cause::kDevice}, verdict};
 }
 
 Finding silence(const ReadingStream& stream) {

@@ -23,8 +23,8 @@ namespace {
 std::optional<VisionCalibration> read_view(const MapRecord& record, const ExportRequest& request) {
   if (!std::holds_alternative<LampField>(record.map)) return std::nullopt;
   if (!request.cell)
-    throw InputError(
-        {"is a field at the lamps", "name the cell that has them with --cell", request.map});
+    throw InputError({"is a field at the lamps", "name the cell that has them with --cell",
+                      request.map, Cause::kMissing});
   require_belonging(contradictions(
       {{Role::kErrorMap, request.map}},
       origins_in(*request.cell, calibration_files(*request.cell, false)), values_of(kRoles)));
@@ -102,7 +102,8 @@ void require_direction(const DirectionEffect& effect, const ExportRequest& reque
   throw InputError({fmt::format("its error changes with the tool's direction by up to {:.4f} mm, "
                                 "more than its deviation of {:.4f} mm",
                                 mm(effect.change), mm(effect.sigma)),
-                    "name the direction for which it is exported with --phi-deg", request.map});
+                    "name the direction for which it is exported with --phi-deg", request.map,
+                    Cause::kMissing});
 }
 
 std::vector<std::string> remarks_of(const ExportedMap& exported, const ExportRequest& request) {

@@ -85,9 +85,10 @@ void add(const PairRow& pair, TrainingPairs& training) {
 
 void require_any(const TrainingPairs& training) {
   if (training.problem.samples.empty())
-    throw InputError(fmt::format("none of {} pairs is of plan '{}', to which a map is fitted",
-                                 training.n_other_plans + training.n_unattended,
-                                 name(Purpose::kTrain)));
+    throw InputError(
+        fmt::format("none of {} pairs is of plan '{}', to which a map is fitted",
+                    training.n_other_plans + training.n_unattended, name(Purpose::kTrain)),
+        Cause::kMissing);
 }
 
 void log_kernel(const IdwMap& /*map*/) {}
@@ -128,7 +129,7 @@ std::vector<PairRow> pairs_to_check(std::vector<PairRow> pairs, const std::vecto
     throw InputError({fmt::format("none of {} pairs is of {}", all,
                                   plans.empty() ? std::string("a plan other than train")
                                                 : "plan " + joined(plans)),
-                      fmt::format("their plans are: {}", joined(present))});
+                      fmt::format("their plans are: {}", joined(present)), "", Cause::kMissing});
   return pairs;
 }
 
@@ -143,7 +144,7 @@ void require_what_it_needs(const VisionErrorMap& map, const std::vector<PairRow>
                                              "y_lamp2_mm and x_reflector_mm, y_reflector_mm"
                                            : "the tool's direction; pairs need a column phi_deg",
                                   pair.id),
-                      "", file});
+                      "", file, Cause::kMissing});
   }
 }
 

@@ -36,7 +36,8 @@ PoseSample pose_sample(const Transmission& transmission, const PairRow& pair, do
     throw InputError({fmt::format("pair '{}' lacks its lamps, its joints or a standard deviation, "
                                   "from which field and arm are learned",
                                   pair.id),
-                      "make the pairs with planar-pair-tracker, or leave --cell out"});
+                      "make the pairs with planar-pair-tracker, or leave --cell out", "",
+                      Cause::kMissing});
   PoseSample sample;
   sample.id = pair.id;
   sample.place = pair.place;
@@ -131,7 +132,8 @@ void add_bar(const LampFieldFiles& files, const VisionCalibration& uncompensated
     throw InputError({fmt::format("the bar is seen in none of {} pictures with both ends within "
                                   "{:.0f} mm of the base's axis, as far as lamps were seen",
                                   files.pictures.size(), mm(radius)),
-                      "lay it nearer to the base, with both marks uncovered", files.bar});
+                      "lay it nearer to the base, with both marks uncovered", files.bar,
+                      Cause::kInsufficient});
   laid.pitch_known = false;
 }
 
@@ -171,7 +173,8 @@ void add_marks(const LampFieldFiles& files, const VisionCalibration& uncompensat
                                   "pictures, within {:.0f} mm of the axis, as far as lamps were "
                                   "seen",
                                   marks.size(), files.pictures.size(), mm(radius)),
-                      "compare x_mm and y_mm with the base frame, and uncover them", files.marks});
+                      "compare x_mm and y_mm with the base frame, and uncover them", files.marks,
+                      Cause::kInsufficient});
 }
 
 }  // namespace
@@ -203,8 +206,8 @@ LaidDots laid_dots(const std::vector<LayRow>& rows) {
       throw InputError({"a dot of '" + row.lay + "' has sigma_mm 0",
                         "make the table with planar-pair-tracker --lays-out", "lays"});
     if (row.pitch_known != rows.front().pitch_known)
-      throw InputError(
-          {"the pitch is known for some lays only", "all must be of one board", "lays"});
+      throw InputError({"the pitch is known for some lays only", "all must be of one board", "lays",
+                        Cause::kContradiction});
     const auto [lay, is_new] = lays.try_emplace(row.lay);
     if (is_new) order.push_back(row.lay);
     lay->second.push_back(&row);

@@ -137,9 +137,10 @@ std::vector<SeenPlace> seen_places(const CellSettings& cell, const VisionCalibra
 
 HealthRecord health_of(const CellSettings& cell, const std::vector<SeenPlace>& seen) {
   if (seen.size() < kHealthPlaces)
-    throw InputError({fmt::format("the recording has {} places with both lamps", seen.size()),
-                      fmt::format("a check of the cell's health needs {} of them to visit again",
-                                  kHealthPlaces)});
+    throw InputError(
+        {fmt::format("the recording has {} places with both lamps", seen.size()),
+         fmt::format("a check of the cell's health needs {} of them to visit again", kHealthPlaces),
+         "", Cause::kInsufficient});
   const Transmission transmission(cell.transmission);
   const Eigen::Vector3d home = transmission.motors_from_joints(cell.arm.home);
   const JointPlanner planner = joint_planner(cell);

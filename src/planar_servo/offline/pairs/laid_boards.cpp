@@ -102,8 +102,8 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
     if (pose) {
       boards.push_back({file.stem().string(), pose->X_CG, board, sight});
     } else {
-      faults.add(
-          {"no board on the plane: " + (sight.found() ? "no pose" : sight.reason), "", file});
+      faults.add({"no board on the plane: " + (sight.found() ? "no pose" : sight.reason), "", file,
+                  Cause::kInsufficient});
     }
   }
   faults.throw_if_any();
@@ -111,7 +111,7 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
     throw InputError({"has no frame of plan 'plane_grid'",
                       "record one with the board on the plane, or take --workplane-from pairs "
                       "without --lays-out",
-                      recording});
+                      recording, Cause::kMissing});
   return boards;
 }
 
@@ -146,12 +146,13 @@ std::vector<Refusal> doubts_of_lays(const std::vector<LayRow>& lays, double came
     doubts.push_back(
         {fmt::format("the boards are seen as if their dots lay {} the plane that was stated",
                      above_or_below(middle)),
-         "check --board-thickness-mm and the pitch in --grid", "lays"});
+         "check --board-thickness-mm and the pitch in --grid", "lays", Cause::kContradiction});
   for (const auto& [lay, height] : heights)
     if (std::abs(height - middle) > kHeightDoubt)
       doubts.push_back({fmt::format("'{}' is seen as if it lay {} the others", lay,
                                     above_or_below(height - middle)),
-                        "lay it flat and record it again, or leave it out", "lays"});
+                        "lay it flat and record it again, or leave it out", "lays",
+                        Cause::kContradiction});
   return doubts;
 }
 

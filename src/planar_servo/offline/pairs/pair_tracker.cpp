@@ -98,7 +98,8 @@ Refusal no_monument(const PairTrackerRequest& request) {
     if (readings.size() < kShown) readings.insert(row.id);
   return {fmt::format("no reading has the name of a monument ({}); they are called {}, ...",
                       fmt::join(monuments, ", "), fmt::join(readings, ", ")),
-          "name the monuments in `datum` of the cell file as the tracker does", "tracker"};
+          "name the monuments in `datum` of the cell file as the tracker does", "tracker",
+          Cause::kMissing};
 }
 
 SortedReadings sort_readings(const PairTrackerRequest& request) {
@@ -281,7 +282,7 @@ PairTrackerReport pair_without_tracker(const PairTrackerRequest& request) {
     throw InputError({"there is no reading of the tool",
                       "without a tracker the plane must come from a board that was laid on it, "
                       "with --workplane-from grid --grid circles:COLSxROWS:PITCHmm",
-                      "tracker"});
+                      "tracker", Cause::kMissing});
   PairTrackerReport report;
   Pairing places = unattended_sights(lamp_sights(request.lamps, request.frames));
   report.workplane = fit_to_arm(request, places.unattended);
@@ -315,7 +316,7 @@ std::vector<LampSight> lamp_sights(const std::vector<LampRow>& lamps,
     if (found == index.end() || found->second->id != row.id) {
       faults.add({fmt::format("id '{}', image '{}' is not in the recording's frames.csv", row.id,
                               row.image),
-                  "", "lamps"});
+                  "", "lamps", Cause::kMissing});
       continue;
     }
     const FrameRow& frame = *found->second;

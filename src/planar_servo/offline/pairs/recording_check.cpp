@@ -132,7 +132,8 @@ Refusal RecordedScatter::doubt() const {
           "where tracker and lamps state {:.4f} mm together, and are treated as being as "
           "uncertain as they scatter",
           mm(found), stated / kMillimetre),
-      "see whether the reflector is loose on the tool or the arm still moves when it is read"};
+      "see whether the reflector is loose on the tool or the arm still moves when it is read", "",
+      Cause::kContradiction};
 }
 
 Refusal RecordedStep::doubt() const {
@@ -144,7 +145,8 @@ Refusal RecordedStep::doubt() const {
           mm(change.sigma), cost() / kMillimetre, causes_of(change.frame)),
       needs_consent() ? "record again with one seating, leave one of the two parts out, or, if you "
                         "know that nothing moved, continue with --accept-step"
-                      : "if something moved there, record again or leave one of the two parts out"};
+                      : "if something moved there, record again or leave one of the two parts out",
+      "", Cause::kContradiction};
 }
 
 Refusal RecordedTrend::doubt() const {
@@ -159,7 +161,8 @@ Refusal RecordedTrend::doubt() const {
       needs_consent()
           ? "fasten it, let tracker and camera warm up and record again, or, if you know "
             "better, continue with --accept-step"
-          : "fasten it, or let tracker and camera warm up before the next recording"};
+          : "fasten it, or let tracker and camera warm up before the next recording",
+      "", Cause::kContradiction};
 }
 
 void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights) {
@@ -183,7 +186,7 @@ void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSigh
                    mm(axis->p.norm()), points.size()),
        fmt::format("subtract ({}) from x, y of all of them in the cell file, or measure them again",
                    fixed(axis->p / kMillimetre, 3, ", ")),
-       "datum"});
+       "datum", Cause::kContradiction});
 }
 
 void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& tool) {
@@ -195,7 +198,7 @@ void require_upright_tracker(const DatumRegistration& datum, const ToolOffsets& 
            "joints turning the other way round, as the tracker sees them",
            -mm(tool.p_TS.z())),
        "correct the columns of its table (where its z axis does point down: negate y and z)",
-       "tracker"});
+       "tracker", Cause::kContradiction});
 }
 
 void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow>& frames,
@@ -218,7 +221,8 @@ void require_lamps_in_order(const CellSettings& cell, const std::vector<FrameRow
            "at {} places the tool is seen {:.1f} degrees from where joint 3 was sent: lamp 1 and "
            "lamp 2 are exchanged in lamps.csv, or joint 3's zero is off by half a turn",
            n, std::abs(std::atan2(sum.y(), sum.x())) / kDegree),
-       "run planar-locate-lamps again with this cell, and look at which lamp is which", "lamps"});
+       "run planar-locate-lamps again with this cell, and look at which lamp is which", "lamps",
+       Cause::kContradiction});
 }
 
 RestSpread rest_spread(const CellSettings& cell, const std::vector<TrackerRow>& readings,
@@ -263,7 +267,8 @@ Refusal RestSpread::doubt() const {
               "stated; they are treated as being as uncertain as they scatter",
               mm(rms), stated / kMillimetre),
           "find what shakes the reflector or the tracker, or correct tracker.sigma_mm in the cell "
-          "file"};
+          "file",
+          "", Cause::kContradiction};
 }
 
 }  // namespace planar

@@ -107,7 +107,8 @@ void require_apart(const Part& a, const Part& b) {
        fmt::format(
            "place them at least {:.1f} mm apart, by `lamps` of the cell file, --reflector-mm "
            "or --ball-mm",
-           least_mm)});
+           least_mm),
+       "", Cause::kContradiction});
 }
 
 /// Draws in the tool's frame T, y up.

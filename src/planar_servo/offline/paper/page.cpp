@@ -175,7 +175,8 @@ std::string page_text(const Page& page, PageFormat format) {
   }
   cairo_surface_finish(surface.get());
   if (const cairo_status_t status = cairo_surface_status(surface.get()))
-    throw WorkError(std::string("the page cannot be drawn: ") + cairo_status_to_string(status));
+    throw WorkError(std::string("the page cannot be drawn: ") + cairo_status_to_string(status),
+                    Cause::kSystem);
   // A comment says of what kind it is: in an SVG's second line, behind a PDF's end.
   if (format == PageFormat::kPdf) return text + format_remark(kPaperKind);
   return text.insert(text.find('\n') + 1, format_comment(kPaperKind));

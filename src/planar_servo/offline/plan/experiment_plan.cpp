@@ -143,7 +143,8 @@ ExperimentSize with_readings(ExperimentSize size, int readings) {
   constexpr int kSweepShare = 8, kFewestOfSweep = 4, kMostOfSweep = 24;
   if (readings < kFewestReadings)
     throw InputError({fmt::format("{} tracker readings are too few for plane and tool", readings),
-                      fmt::format("at least {} are needed", kFewestReadings)});
+                      fmt::format("at least {} are needed", kFewestReadings), "",
+                      Cause::kInsufficient});
   size.sweep_points = std::clamp(readings / kSweepShare, kFewestOfSweep, kMostOfSweep);
   size.training_points = readings - 2 * size.sweep_points;
   return size;

@@ -138,7 +138,8 @@ Candidates candidates_of(const KnownCell& known) {
   }
   if (candidates.tips.empty())
     throw InputError({"no place of the workspace can be reached and seen",
-                      "see planar-servo --dry-run for the reason", known.cell.file});
+                      "see planar-servo --dry-run for the reason", known.cell.file,
+                      Cause::kUnreachable});
   return candidates;
 }
 
@@ -148,7 +149,9 @@ JointEstimate estimate_of(const KnownCell& known, const std::vector<PairRow>& pa
   JointEstimate estimate;
   estimate.nominal = known.nominal;
   auto fit = fit_jointly(estimate.model(), {}, {}, known.cell.workspace.radius_max_m);
-  if (!fit) throw WorkError("the equations of field and arm cannot be solved for this cell");
+  if (!fit)
+    throw WorkError("the equations of field and arm cannot be solved for this cell",
+                    Cause::kInsufficient);
   estimate.fit = std::move(*fit);
   return estimate;
 }
@@ -223,7 +226,7 @@ void require_poses(const CellSettings& cell, std::size_t n, std::size_t fewest) 
                       fmt::format("{} are needed: plan more, or see planar-servo --dry-run for why "
                                   "places cannot be reached",
                                   fewest),
-                      cell.file});
+                      cell.file, Cause::kUnreachable});
 }
 
 /// Returns what a plan begins with that begins a calibration.
@@ -237,7 +240,8 @@ ExperimentSize first_size(const PlanRequest& request) {
         {fmt::format("without a tracker reading {} lays of the board and {} unattended "
                      "poses do not tell the vision error",
                      request.lays, request.unattended),
-         fmt::format("plan {} lays and {} poses at least", kFewestLays, fewest)});
+         fmt::format("plan {} lays and {} poses at least", kFewestLays, fewest), "",
+         Cause::kInsufficient});
   size.sweep_points = size.training_points = 0;
   return size;
 }

@@ -34,7 +34,7 @@ void save(const vpImage<vpRGBa>& picture, const std::filesystem::path& file) {
   cv::Mat bgr;
   cv::cvtColor(rgba_of(picture), bgr, cv::COLOR_RGBA2BGR);
   if (!cv::imwrite(fresh.string(), bgr))
-    throw WorkError(fmt::format("{}: cannot be written", fresh.string()));
+    throw WorkError(fmt::format("{}: cannot be written", fresh.string()), Cause::kSystem);
   std::filesystem::rename(fresh, file);
 }
 

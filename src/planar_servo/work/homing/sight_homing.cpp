@@ -36,8 +36,8 @@ LampPlaces seen_places(LampTipSensor& sensor, const VisionCalibration& vision) {
   for (int i = 0; i < kLooks; ++i) {
     auto seen = sensor.look_around();
     if (!seen)
-      throw WorkError(
-          Refusal{"the two lamps are not seen, so that the arm cannot be homed by sight", kByHand});
+      throw WorkError({"the two lamps are not seen, so that the arm cannot be homed by sight",
+                       kByHand, "", Cause::kInsufficient});
     if (!first) first = seen;
     if (((*seen)[0] - (*first)[0]).norm() > ((*seen)[1] - (*first)[0]).norm())
       std::swap((*seen)[0], (*seen)[1]);
@@ -85,9 +85,9 @@ class SightHoming {
       : cell_(cell), robot_(robot), sensor_(sensor), seen_(seen_places(sensor, *cell.vision)) {
     left_ = posture_candidates(cell, seen_);
     if (left_.empty())
-      throw WorkError(
-          Refusal{"no posture within the limits has its lamps where they are seen",
-                  "compare the links' lengths and limits in the cell file with the arm"});
+      throw WorkError({"no posture within the limits has its lamps where they are seen",
+                       "compare the links' lengths and limits in the cell file with the arm", "",
+                       Cause::kContradiction});
   }
 
   /// Turns joints until one posture is left, takes up the play of the gears there as every approach
@@ -146,7 +146,7 @@ class SightHoming {
 
   void go_to(const Joints& theta) {
     if (const auto objection = robot_.move_to(theta, [&] { return sensor_.fault(); }))
-      throw WorkError(*objection);
+      throw WorkError(*objection, Cause::kDevice);
   }
 
   /// Turns a motor and lets all candidates follow.
@@ -194,7 +194,7 @@ class SightHoming {
                                    "{:.3f} mm, {:.3f} mm from what one posture says and {:.3f} mm "
                                    "from what another does, where {:.3f} mm would tell",
                                    what, mm(seen.norm()), mm(miss), mm(next), mm(allowed)),
-                       kByHand});
+                       kByHand, "", Cause::kInsufficient});
     return false;
   }
 
@@ -219,7 +219,7 @@ class SightHoming {
     throw WorkError({fmt::format("{} cannot be told: motor {} may turn by {:.0f} deg in neither "
                                  "sense in every posture that is possible",
                                  what, motor + 1, turn / kDegree),
-                     kByHand});
+                     kByHand, "", Cause::kUnreachable});
   }
 
   bool may_turn(const Joints& theta, int motor, double turn) const {
@@ -265,10 +265,12 @@ Joints joints_seen(const CalibratedCell& cell, const PostureCandidate& posture,
   const TipMeasurement seen = sensor.measure(planner.arm().forward(posture.theta),
                                              cell.settings.servo.frames_per_measurement);
   if (!seen.ok())
-    throw WorkError({"the lamps are lost after homing by sight: " + seen.word, kByHand});
+    throw WorkError({"the lamps are lost after homing by sight: " + seen.word, kByHand, "",
+                     Cause::kInsufficient});
   const JointPlan plan = planner.plan_as_found(seen.tip, posture.theta, posture.elbow);
   if (plan.refusal)
-    throw WorkError({"no joint angles lead to where the tool is seen: " + *plan.refusal, kByHand});
+    throw WorkError({"no joint angles lead to where the tool is seen: " + *plan.refusal, kByHand,
+                     "", Cause::kContradiction});
   return plan.theta;
 }
 
@@ -284,7 +286,8 @@ void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor
       throw WorkError(
           {turns,
            "if these are the turns on which the motors stand, start with --nearest-turn (by hand: "
-           "home nearest-turn)"});
+           "home nearest-turn)",
+           "", Cause::kInsufficient});
     robot.set_joints(theta);
     spdlog::info("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " "));
   } catch (...) {

@@ -86,7 +86,8 @@ void JogArm::step(const Eigen::Vector2d& step_B) {
   const PlanarArm& arm = planner_.arm();
   const TipPose begin = on_line(step_B);
   const InverseResult inverse = arm.inverse({begin.p + step_B, begin.phi}, arm.elbow(near), near);
-  if (inverse.status != ReachStatus::kOk) throw InputError(describe(inverse.status));
+  if (inverse.status != ReachStatus::kOk)
+    throw InputError(describe(inverse.status), Cause::kUnreachable);
   try {
     move_to(inverse.theta);
     cut_.reset();
@@ -111,15 +112,15 @@ std::string JogArm::go_to(const TargetRow& target) {
   require_ready();
   const TipPose pose{target.p_d, target.phi_d.value_or(cell_.tool_orientation)};
   const JointPlan plan = planner_.plan(pose, commanded());
-  if (plan.refusal) throw InputError(*plan.refusal);
+  if (plan.refusal) throw InputError(*plan.refusal, Cause::kUnreachable);
   const ApproachWay way = approach_way(planner_, cell_.servo, commanded(), plan.theta);
-  if (way.refusal) throw InputError(*way.refusal);
+  if (way.refusal) throw InputError(*way.refusal, Cause::kUnreachable);
   announce_(way.barred ? fmt::format("the arm goes round to {} by {} stops, since {}", target.id,
                                      way.stops.size() - 1, *way.barred)
                        : fmt::format("the arm moves to {}: about {:.0f} s", target.id,
                                      std::ceil(duration_s(plan.theta))));
   if (const auto obstacle = arrive_by(way, robot_, guard()))
-    throw WorkError(obstacle->reason + "; the arm has stopped at " + where());
+    throw WorkError(obstacle->reason + "; the arm has stopped at " + where(), Cause::kDevice);
   return planner_.found() ? "by the arm that was found" : "by the links of the cell file";
 }
 
@@ -131,13 +132,13 @@ void JogArm::take_over() {
 }
 
 void JogArm::require_enabled() const {
-  if (!enabled_) throw InputError(Refusal{"the drives are off", "enable them first"});
+  if (!enabled_) throw InputError({"the drives are off", "enable them first", "", Cause::kDevice});
 }
 
 void JogArm::require_ready() {
   require_enabled();
   if (const std::string unknown = how_to_home(); !unknown.empty())
-    throw InputError(Refusal{"drives do not know where they stand", unknown});
+    throw InputError({"drives do not know where they stand", unknown, "", Cause::kDevice});
 }
 
 std::string JogArm::how_to_home() {
@@ -172,9 +173,9 @@ std::string JogArm::where() {
 }
 
 void JogArm::move_to(const Joints& theta) {
-  if (const auto forbidden = refusal(theta)) throw InputError(*forbidden);
+  if (const auto forbidden = refusal(theta)) throw InputError(*forbidden, Cause::kUnreachable);
   if (const auto objection = robot_.move_to(theta, guard()))
-    throw WorkError(*objection + "; the arm has stopped at " + where());
+    throw WorkError(*objection + "; the arm has stopped at " + where(), Cause::kDevice);
 }
 
 PlanarRobot::Guard JogArm::guard() {

@@ -60,8 +60,8 @@ std::vector<TargetRow> targets_in(const std::filesystem::path& path, bool& has_p
   }
   faults.throw_if_any();
   if (!whole.empty() && !lines.has_columns())
-    throw InputError(
-        {"has no header", "write id,x_mm,y_mm,phi_deg there or name another file", path});
+    throw InputError({"has no header", "write id,x_mm,y_mm,phi_deg there or name another file",
+                      path, Cause::kMissing});
   return targets;
 }
 
@@ -101,7 +101,8 @@ TaughtTargets::TaughtTargets(std::filesystem::path path)
 void TaughtTargets::append(const TargetRow& target) {
   if (target.id.empty()) throw InputError(Refusal{"the id is empty", "every target needs one"});
   if (find_target(targets_, target.id) != targets_.end())
-    throw InputError({fmt::format("the id '{}' is taken", target.id), "ids must differ"});
+    throw InputError(
+        {fmt::format("the id '{}' is taken", target.id), "ids must differ", "", Cause::kExists});
   // A table begun by a person was read before and may begin unlike our own.
   const bool begun = std::filesystem::exists(path_) && !std::filesystem::is_empty(path_);
   std::string line = target_line(target);
@@ -114,7 +115,8 @@ void TaughtTargets::append(const TargetRow& target) {
 const TargetRow& TaughtTargets::at(const std::string& id) const {
   const auto target = find_target(targets_, id);
   if (target == targets_.end())
-    throw InputError({fmt::format("no place '{}' is taught", id), names_of(targets_)});
+    throw InputError(
+        {fmt::format("no place '{}' is taught", id), names_of(targets_), "", Cause::kMissing});
   return *target;
 }
 
@@ -166,10 +168,9 @@ std::string JogConsole::perform(const HomeCommand& command) {
 std::size_t JogConsole::home_by_sight(bool nearest_turn) {
   if (!sensor_)
     throw InputError(
-        Refusal{"the camera cannot find where the joints stand: the cell's vision is "
-                "not calibrated yet",
-                "until then turn the arm to marks and name these under home "
-                "(reference: taught)"});
+        {"the camera cannot find where the joints stand: the cell's vision is not calibrated yet",
+         "until then turn the arm to marks and name these under home (reference: taught)", "",
+         Cause::kMissing});
   announce_look(cell_.settings.servo.frames_per_measurement);
   return arm_.home_by([&](PlanarRobot& robot) {
     planar::home_by_sight(cell_, robot, *sensor_,
@@ -193,7 +194,8 @@ std::string JogConsole::perform(const StepCommand& command) {
 }
 
 std::string JogConsole::perform(const GoCommand& command) {
-  if (!taught_) throw InputError(Refusal{"there is no table of taught places", kTable});
+  if (!taught_)
+    throw InputError({"there is no table of taught places", kTable, "", Cause::kMissing});
   const TargetRow& target = taught_->at(command.id);
   const std::string by = arm_.go_to(target);
   return fmt::format("moved to {}, {}, {}: joints {} deg", target.id, place_mm(target.p_d), by,
@@ -242,9 +244,9 @@ std::string JogConsole::perform(const ExposeCommand& command) {
 }
 
 std::string JogConsole::perform(const TeachCommand& command) {
-  if (!taught_) throw InputError(Refusal{"there is no table to teach", kTable});
+  if (!taught_) throw InputError({"there is no table to teach", kTable, "", Cause::kMissing});
   if (const std::string unknown = arm_.how_to_home(); !unknown.empty())
-    throw InputError(Refusal{"drives do not know where they stand", unknown});
+    throw InputError({"drives do not know where they stand", unknown, "", Cause::kDevice});
   const TipPose commanded = arm_.tip();
   if (!sensor_) {
     taught_->append({command.id, commanded.p, commanded.phi});
@@ -252,7 +254,9 @@ std::string JogConsole::perform(const TeachCommand& command) {
                        command.id, place_mm(commanded.p));
   }
   const TipMeasurement seen = measure();
-  if (!seen.ok()) throw WorkError("nothing was taught; the tool is not measured: " + seen.word);
+  if (!seen.ok())
+    throw WorkError("nothing was taught; the tool is not measured: " + seen.word,
+                    Cause::kInsufficient);
   taught_->append({command.id, seen.tip.p, seen.tip.phi});
   return fmt::format("taught {} at {} as seen", command.id, place_mm(seen.tip.p));
 }

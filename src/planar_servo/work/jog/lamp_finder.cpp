@@ -165,7 +165,8 @@ LampFinder::LampFinder(LampScene scene, CenterMethod method, FrameSource& camera
 Frame LampFinder::next_frame(const cv::Rect& region_px) {
   camera_.set_region(region_px);
   FrameResult result = camera_.next_frame();
-  if (result.status != FrameStatus::kOk) throw WorkError("the camera delivers no frame");
+  if (result.status != FrameStatus::kOk)
+    throw WorkError("the camera delivers no frame", Cause::kDevice);
   exposure_ = read_exposure(result.frame.image);
   return std::move(result.frame);
 }
@@ -176,7 +177,7 @@ std::string LampFinder::find() {
   // Two lamps alike cannot be told apart, but their places are known.
   if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous)
     throw WorkError({fmt::format("no two lamps in the whole frame: {}", name(pair.status)),
-                     "save the frame and look at it (command save)"});
+                     "save the frame and look at it (command save)", "", Cause::kInsufficient});
   const auto& [first, second] = pair.lamps;
   middle_px_ = 0.5 * (first.uv_px + second.uv_px);
   std::string text = fmt::format(
@@ -206,7 +207,8 @@ std::string LampFinder::focus() {
   if (middle_px_) seen = sight(follow_region(sensor_px, follow_region_px_, *middle_px_));
   if (!seen) seen = sight({{}, sensor_px});
   if (!seen)
-    throw WorkError(Refusal{"no two lamps in the whole frame", "turn the lens, or expose more"});
+    throw WorkError({"no two lamps in the whole frame", "turn the lens, or expose more", "",
+                     Cause::kInsufficient});
   const auto [first_px, second_px] = seen->edges_px;
   const double mean_px = seen->mean_edge_px();
   best_px_ = std::min(mean_px, best_px_.value_or(mean_px));

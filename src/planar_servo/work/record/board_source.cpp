@@ -212,7 +212,7 @@ void GuidedBoard::watch_anew() {
 Frame GuidedBoard::next_frame(const std::string& id) {
   for (const double begun_s = clock_.now_s();;) {
     if (request_.stop && request_.stop())
-      throw WorkError({fmt::format("left at {}", id), kStartAgain});
+      throw WorkError({fmt::format("left at {}", id), kStartAgain, "", Cause::kStopped});
     FrameResult result = camera_.next_frame();
     if (result.status == FrameStatus::kOk) return std::move(result.frame);
     const double waited_s = clock_.now_s() - begun_s;
@@ -220,7 +220,7 @@ Frame GuidedBoard::next_frame(const std::string& id) {
       person_.show(fmt::format("no picture from the camera ({})", name(result.status)));
     if (waited_s > kCameraPatience_s)
       throw WorkError({fmt::format("the camera sent no whole frame for {} s", kCameraPatience_s),
-                       kStartAgain, id});
+                       kStartAgain, id, Cause::kDevice});
   }
 }
 
@@ -275,8 +275,8 @@ void GuidedBoard::note_sight(const std::string& id, bool is_seen, const BoardAdv
                     board_words(board_), kUnseen_s, advice.state));
   }
   if (now_s - seen_s_ > kBoardPatience_s)
-    throw WorkError(
-        {fmt::format("nobody showed the board for {} s", kBoardPatience_s), kStartAgain, id});
+    throw WorkError({fmt::format("nobody showed the board for {} s", kBoardPatience_s), kStartAgain,
+                     id, Cause::kInsufficient});
 }
 
 void GuidedBoard::conclude(const PlanRow& row, const Views& views) {
@@ -314,8 +314,8 @@ void GuidedBoard::clear_field() {
     if (entered) person_.warn("the board is still in the picture; press Enter once it is gone");
     if (!attended && now_s - seen_s_ >= kClear_s) return;
     if (now_s - begun_s > kBoardPatience_s)
-      throw WorkError(
-          {fmt::format("the board was not taken away for {} s", kBoardPatience_s), kStartAgain});
+      throw WorkError({fmt::format("the board was not taken away for {} s", kBoardPatience_s),
+                       kStartAgain, "", Cause::kUnreachable});
   }
 }
 

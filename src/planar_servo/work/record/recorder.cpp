@@ -182,7 +182,8 @@ class Recorder {
     const auto guard = [this] { return devices_.camera().fault(); };
     while (const auto obstacle = try_to_arrive(theta, guard)) {
       if (obstacle->refused)
-        throw WorkError({obstacle->reason, "move the place in the plan", place_});
+        throw WorkError(
+            {obstacle->reason, "move the place in the plan", place_, Cause::kUnreachable});
       await_camera(obstacle->reason, deadline_s);
     }
   }
@@ -193,7 +194,8 @@ class Recorder {
     } catch (const StoppedByHand&) {
       throw;
     } catch (const DriveError& error) {
-      throw DriveError({error.what(), "mend the drives, then start again to continue", place_});
+      throw DriveError({error.what(), "mend the drives, then start again to continue", place_,
+                        error.refusal().cause});
     }
   }
 
@@ -202,7 +204,7 @@ class Recorder {
     if (!wait_for_camera(devices_.camera(), robot_, devices_.clock(), place_, reason, deadline_s))
       throw WorkError(
           {fmt::format("{}; the camera was not back within {:.0f} s", reason, kCameraPatience_s),
-           "mend it, then start again to continue", place_});
+           "mend it, then start again to continue", place_, Cause::kDevice});
   }
 
   Pictures pictures_at(const PlanRow& row, const Eigen::Vector2d& p) {

@@ -67,7 +67,8 @@ void add_rows(const RecordRequest& request, const std::vector<Joints>& joints,
     if (found == planned.end()) continue;
     const std::string other =
         difference(row, request.plan[found->second], joints[found->second], transmission);
-    if (!other.empty()) faults.add({fmt::format("'{}' {}", row.id, other), kRemedy, file});
+    if (!other.empty())
+      faults.add({fmt::format("'{}' {}", row.id, other), kRemedy, file, Cause::kForeign});
   }
 }
 
@@ -78,7 +79,7 @@ void add_sensor(const RecordRequest& request, const FrameRow& first, Faults& fau
   faults.add(
       {fmt::format("begins with an image of {} x {} px, this cell's have {} x {}",
                    first.region_px.width, first.region_px.height, sensor.width, sensor.height),
-       kRemedy, request.recording / "frames.csv"});
+       kRemedy, request.recording / "frames.csv", Cause::kForeign});
 }
 
 void add_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
@@ -88,7 +89,7 @@ void add_monuments(const RecordRequest& request, const std::vector<TrackerRow>& 
     if (std::none_of(readings.begin(), readings.end(),
                      [&](const TrackerRow& row) { return row.id == monument.id; }))
       faults.add({fmt::format("has no reading of the monument '{}' of this cell", monument.id),
-                  kRemedy, request.recording / "tracker.csv"});
+                  kRemedy, request.recording / "tracker.csv", Cause::kForeign});
 }
 
 void find_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
@@ -114,7 +115,7 @@ std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<P
   for (const PlanRow& row : plan) {
     const JointPlan found = plan_row(planner, row, cell.arm.home, near);
     if (found.refusal) {
-      faults.add({*found.refusal, "", fmt::format("plan row '{}'", row.id)});
+      faults.add({*found.refusal, "", fmt::format("plan row '{}'", row.id), Cause::kUnreachable});
     } else if (!shows_board(row.plan)) {
       near = found.theta;
     }
@@ -135,7 +136,7 @@ void require_tracker(const RecordRequest& request) {
                    "'{}' of plan {} first",
                    count, count == 1 ? "" : "s", count == 1 ? "s" : "", first.id, name(first.plan)),
        "name the tracker's source (file, tcp or ask), or give these rows the plan pose",
-       request.cell.file});
+       request.cell.file, Cause::kMissing});
 }
 
 BegunRecording begun_recording(const RecordRequest& request, const std::vector<Joints>& joints) {
@@ -166,7 +167,8 @@ void require_board(const RecordRequest& request, const BegunRecording& begun) {
   throw InputError({fmt::format("the plan asks for {} view{} of the calibration board, which a "
                                 "person shows to the camera of {}",
                                 count, count == 1 ? "" : "s", request.cell.file.string()),
-                    "say which board it is, such as --grid circles:11x11:50mm"});
+                    "say which board it is, such as --grid circles:11x11:50mm", "",
+                    Cause::kMissing});
 }
 
 }  // namespace planar

@@ -33,7 +33,7 @@ constexpr double kNearby = 1.0 * kDegree;
 /// The play of a gear fit for positioning, which shows where the arm arrives from either side.
 constexpr double kPlay = 0.01 * kDegree;
 
-HealthFinding without_size(Cause cause, const std::string& why) {
+HealthFinding without_size(HealthCause cause, const std::string& why) {
   return {cause, std::numeric_limits<double>::quiet_NaN(), "",
           std::numeric_limits<double>::infinity(), fmt::format("{}: {}", words(cause), why)};
 }
@@ -42,9 +42,9 @@ std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double 
   const double seen_m = (lamps_B[1] - lamps_B[0]).norm();
   if (std::abs(seen_m / filed_m - 1.0) <= kSeparationShare) return std::nullopt;
   return HealthFinding{
-      Cause::kSeparation, mm(seen_m), "mm", std::abs(seen_m - filed_m),
+      HealthCause::kSeparation, mm(seen_m), "mm", std::abs(seen_m - filed_m),
       fmt::format("{}: the lamps are seen {:.2f} mm apart, the file says {:.2f} mm",
-                  words(Cause::kSeparation), mm(seen_m), mm(filed_m))};
+                  words(HealthCause::kSeparation), mm(seen_m), mm(filed_m))};
 }
 
 /// Returns whether light or focus may look like this cause, which displaces the end point so far:
@@ -52,13 +52,13 @@ std::optional<HealthFinding> wrong_separation(const LampPlaces& lamps_B, double 
 /// under constant light, and a barred way has nothing to do with light.
 bool may_be_light(const HealthFinding& finding, double diameter_m) {
   constexpr double kMostOfDiameter = 0.25;
-  switch (finding.cause) {
-    case Cause::kPlay1:
-    case Cause::kPlay2:
-    case Cause::kPlay3:
-    case Cause::kNotVisited:
+  switch (finding.what) {
+    case HealthCause::kPlay1:
+    case HealthCause::kPlay2:
+    case HealthCause::kPlay3:
+    case HealthCause::kNotVisited:
       return false;
-    case Cause::kNotSeen:
+    case HealthCause::kNotSeen:
       return true;
     default:
       return finding.cost_m < kMostOfDiameter * diameter_m;
@@ -93,7 +93,7 @@ CellCheck::CellCheck(const CalibratedCell& cell, PlanarRobot& robot, LampTipSens
       model_(model_of_cell(planner_, cell_.arm.home, vision_)) {}
 
 void CellCheck::wait_for_camera(const std::string& reason) const {
-  if (!wait_ || !wait_(reason)) throw WorkError(reason);
+  if (!wait_ || !wait_(reason)) throw WorkError(reason, Cause::kDevice);
 }
 
 std::optional<std::string> CellCheck::go_to(const Joints& theta) {
@@ -148,8 +148,8 @@ std::vector<HealthFinding> CellCheck::first_moves(const std::optional<HealthReco
   looks_.clear();
   const std::optional<Joints> first = ways_.start(robot_.commanded_joints());
   if (!first)
-    return {
-        without_size(Cause::kNotVisited, "it stands outside its workspace or the camera's view")};
+    return {without_size(HealthCause::kNotVisited,
+                         "it stands outside its workspace or the camera's view")};
   std::vector<HealthFinding> found = faults_in_first_moves(*first);
   if (may_be_stray(found)) found = faults_in_first_moves(*first);
   // Harmless changes are left to the revisits, which report them with their findings.
@@ -185,10 +185,10 @@ std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
           "motor {} cannot be turned here by a quarter of a first move: a wrong "
           "direction, gear or limit of it would not be seen",
           motor + 1);
-    if (const auto reason = go_to(theta)) return {without_size(Cause::kNotVisited, *reason)};
+    if (const auto reason = go_to(theta)) return {without_size(HealthCause::kNotVisited, *reason)};
     const auto lamps_B = look();
     if (!lamps_B)
-      return {without_size(Cause::kNotSeen, "the whole frame does not show two of them")};
+      return {without_size(HealthCause::kNotSeen, "the whole frame does not show two of them")};
     if (auto found = wrong_separation(*lamps_B, vision_.lamps.separation_m)) return {*found};
     sights.push_back({planner_.transmission().motors_from_joints(robot_.commanded_joints()),
                       *lamps_B, vision_.error_map ? kCorrectedSigma_m : kUncorrectedSigma_m});
@@ -198,10 +198,10 @@ std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
 
 std::variant<Revisit, HealthFinding> CellCheck::visit(const HealthPlace& place) {
   if (const auto reason = go_to(place.theta))
-    return without_size(Cause::kNotVisited, place.id + ": " + *reason);
+    return without_size(HealthCause::kNotVisited, place.id + ": " + *reason);
   const TipMeasurement seen =
       measure(tip_from_places(place.lamps_B, vision_.tool), cell_.servo.frames_per_measurement);
-  if (!seen.ok()) return without_size(Cause::kNotSeen, place.id + ": " + seen.word);
+  if (!seen.ok()) return without_size(HealthCause::kNotSeen, place.id + ": " + seen.word);
   return Revisit{
       planner_.transmission().motors_from_joints(place.theta),
       place.lamps_B,
@@ -215,7 +215,7 @@ std::vector<HealthFinding> CellCheck::changes_since(const HealthRecord& record) 
   const VisitPlan plan = ways_.visits(robot_.commanded_joints(), record.places);
   if (!plan.barred.empty()) {
     const std::string barred = barred_text(plan.barred, record.places.size());
-    if (plan.order.empty()) return {without_size(Cause::kNotVisited, barred)};
+    if (plan.order.empty()) return {without_size(HealthCause::kNotVisited, barred)};
     spdlog::warn(barred);
   }
   std::vector<Revisit> revisits;
@@ -287,9 +287,9 @@ std::vector<HealthFinding> CellCheck::judge_odd_place(const std::vector<HealthPl
       "only place '{}' is not where it was, by {:.3f} mm: ", place.id, mm(moved.norm()));
   if (odds < -kTenToOne) {
     std::vector<HealthFinding> found = find_changes(model_, revisits);
-    if (found.front().cause == Cause::kSeveral) found.clear();
-    found.push_back(
-        {Cause::kView, mm(moved.norm()), "mm", moved.norm(), what + words(Cause::kView)});
+    if (found.front().what == HealthCause::kSeveral) found.clear();
+    found.push_back({HealthCause::kView, mm(moved.norm()), "mm", moved.norm(),
+                     what + words(HealthCause::kView)});
     return found;
   }
   revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*odd));
@@ -355,7 +355,7 @@ std::vector<HealthFinding> CellCheck::play_here(const std::vector<Revisit>& revi
   clock_.sleep_for_s(cell_.servo.settle_s);
   const TipMeasurement seen =
       measure(planner_.arm().forward(theta), cell_.servo.frames_per_measurement);
-  if (!seen.ok()) return {without_size(Cause::kNotSeen, seen.word)};
+  if (!seen.ok()) return {without_size(HealthCause::kNotSeen, seen.word)};
   return find_play(model_, {from_below.motors, from_below.now_B, seen.lamps_B, from_below.sigma_m},
                    0.5 * cell_.servo.approach_margin_rad);
 }
@@ -412,7 +412,7 @@ std::string findings_text(const std::vector<HealthFinding>& findings) {
   std::string text;
   for (const HealthFinding& finding : findings)
     text += fmt::format("{}; what still holds: {}; what to do: {}\n", finding.fault,
-                        usable(finding.cause), finding.remedy);
+                        usable(finding.what), finding.remedy);
   return text;
 }
 
@@ -424,10 +424,10 @@ nlohmann::ordered_json findings_json(const std::vector<HealthFinding>& findings)
       size = finding.size;
       unit = finding.unit;
     }
-    list.push_back({{"cause", words(finding.cause)},
+    list.push_back({{"cause", words(finding.what)},
                     {"size", size},
                     {"unit", unit},
-                    {"usable", usable(finding.cause)},
+                    {"usable", usable(finding.what)},
                     {"redo", finding.remedy}});
   }
   return {{"healthy", findings.empty()}, {"findings", list}};

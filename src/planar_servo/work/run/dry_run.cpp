@@ -110,7 +110,7 @@ ForeseenCheck foresee_check(const CalibratedCell& cell) {
   if (!start)
     return {home,
             Refusal{"no place for the first moves lies in the workspace and the camera's view",
-                    kWayOn, kCheck},
+                    kWayOn, kCheck, Cause::kUnreachable},
             true};
   ForeseenCheck foreseen{*start};
   for (int motor = 0; motor < 3; ++motor)
@@ -121,7 +121,8 @@ ForeseenCheck foresee_check(const CalibratedCell& cell) {
   if (!visits.order.empty()) foreseen.end = record->places[visits.order.back()].theta;
   foreseen.refused = visits.order.empty();
   if (!visits.barred.empty())
-    foreseen.doubt = Refusal{barred_text(visits.barred, record->places.size()), kWayOn, kCheck};
+    foreseen.doubt = Refusal{barred_text(visits.barred, record->places.size()), kWayOn, kCheck,
+                             Cause::kUnreachable};
   return foreseen;
 }
 
@@ -245,7 +246,7 @@ std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
   return Refusal{fmt::format("no coordinate is larger than {:g} mm, while the workspace reaches to "
                              "{:g} mm; metres would be such numbers",
                              mm(farthest_m), mm(workspace.radius_max_m)),
-                 "write millimetres, such as 200 for 0.2 m"};
+                 "write millimetres, such as 200 for 0.2 m", "", Cause::kContradiction};
 }
 
 std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets) {
@@ -262,7 +263,8 @@ std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets
   return Refusal{fmt::format("phi_deg is at most {:g} in every row; radians would be such numbers, "
                              "while degrees are read",
                              largest),
-                 "write degrees, such as 90 for 1.571 radians, or leave it if it is meant so"};
+                 "write degrees, such as 90 for 1.571 radians, or leave it if it is meant so", "",
+                 Cause::kContradiction};
 }
 
 }  // namespace

@@ -207,7 +207,7 @@ Verdict path_verdict(const std::vector<PathSpeedResult>& results) {
           {fmt::format("at {:g} mm/s, guided by {}, the path was not followed to its end: {}",
                        mm(result.speed_m_s), name_in(kGuidances, result.guidance),
                        name(result.status)),
-           result.reason + "; path_looks.csv has the looks until then"});
+           result.reason + "; path_looks.csv has the looks until then", "", Cause::kInsufficient});
   const bool judged = is_judged(results);
   for (const DrawnGuidance& drawn : kDrawnGuidances)
     if (const std::string words = deviation_words(drawn, kWitnesses[judged ? 1 : 0], results);

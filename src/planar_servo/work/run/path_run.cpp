@@ -28,14 +28,15 @@ std::optional<PathErrors> errors_of(std::vector<double> across_m,
 CellDevices& able_to_follow(CellDevices& devices, const CellSettings& cell) {
   if (const auto refusal = devices.drives().stream_refusal())
     throw InputError({fmt::format("its drives cannot follow a path: {}", *refusal),
-                      "go to targets instead", cell.file});
+                      "go to targets instead", cell.file, Cause::kDevice});
   return devices;
 }
 
 const std::filesystem::path& folder_for_path(const ServoRequest& request) {
   for (const char* name : {"path_looks.csv", "results.csv"})
     if (std::filesystem::exists(request.folder.path / name))
-      throw InputError({"holds a run already", "name another folder", request.folder.path / name});
+      throw InputError({"holds a run already", "name another folder", request.folder.path / name,
+                        Cause::kExists});
   make_folder(request.folder.path);
   require_writable(request.folder.path / "run.yaml", "run");
   require_writable(request.folder.path / "report.html", "page");
@@ -57,7 +58,7 @@ void require_near(const CellSettings& cell, const PathRequest& request) {
         {fmt::format("between its places {} and {}, the path lies far beyond the arm's "
                      "reach of {:g} mm",
                      found - segments.begin() + 1, found - segments.begin() + 2, mm(reach_m)),
-         "write millimetres in the base frame", request.file});
+         "write millimetres in the base frame", request.file, Cause::kUnreachable});
 }
 
 PathResult ended_at(const Obstacle& obstacle) {
@@ -107,7 +108,7 @@ std::vector<PathDemand> require_followable(const CalibratedCell& cell, const Pat
     if (demands.back().refusal)
       throw InputError({fmt::format("cannot be followed at {:g} mm/s: {}", mm(speed_m_s),
                                     *demands.back().refusal),
-                        "", request.file});
+                        "", request.file, Cause::kUnreachable});
   }
   return demands;
 }
@@ -121,7 +122,7 @@ void require_inside_map(const VisionCalibration& vision, const PathRequest& requ
     throw InputError({fmt::format("{:.1f} mm along the path, at {}: the error map is not valid "
                                   "here: record training positions around this place",
                                   mm(along_m), place_mm(pose.p)),
-                      "", request.file});
+                      "", request.file, Cause::kInsufficient});
   }
 }
 
@@ -150,9 +151,10 @@ PathRun::~PathRun() {
 
 const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   if (const auto unwell = cell_.examine_if_due(); unwell && !unwell->empty())
-    throw WorkError(*unwell);
+    throw WorkError(*unwell, Cause::kContradiction);
   if (results_.empty())
-    if (const std::string moved = works_.examine(); !moved.empty()) throw WorkError(moved);
+    if (const std::string moved = works_.examine(); !moved.empty())
+      throw WorkError(moved, Cause::kContradiction);
   const std::size_t first = looks_.size();
   const PathTiming timing(path_.path, speed_m_s);
   const PathResult outcome = follow_timed(timing, speed_m_s, guidance);

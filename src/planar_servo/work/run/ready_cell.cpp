@@ -111,7 +111,8 @@ LearnedArm remembered_arm(const CellSettings& cell, const JointPlanner& planner,
     [[maybe_unused]] const ArmLearner usable(found, known);
     return known;
   } catch (const std::invalid_argument& error) {
-    throw InputError({error.what(), "start anew with --forget", *cell.arm_learned});
+    throw InputError(
+        {error.what(), "start anew with --forget", *cell.arm_learned, Cause::kForeign});
   }
 }
 
@@ -173,7 +174,8 @@ void ReadyCell::switch_on() {
 std::optional<std::string> ReadyCell::examine_if_due() {
   if (!robot_.known_joints()) home();
   if (!examined_s_) {
-    if (const std::string unwell = examine(); !unwell.empty()) throw WorkError(unwell);
+    if (const std::string unwell = examine(); !unwell.empty())
+      throw WorkError(unwell, Cause::kContradiction);
     begun_at_ = robot_.known_pulses();
     return std::string();
   }

@@ -42,7 +42,8 @@ void require_same_origins(const fs::path& results, const std::vector<Origin>& pr
   };
   throw InputError({fmt::format("the run was begun with {}; now it would continue with {}",
                                 names(begun), names(present)),
-                    "use the same files and options, or name another folder", results});
+                    "use the same files and options, or name another folder", results,
+                    Cause::kForeign});
 }
 
 /// Returns what decides how a target is reached, besides the calibration files.
@@ -59,7 +60,7 @@ void require_same_settings(const fs::path& results, const std::string& present) 
   throw InputError(
       {fmt::format("the run was begun with the servo settings {}; now it would continue with {}",
                    begun, present),
-       "use the same settings, or name another folder", results});
+       "use the same settings, or name another folder", results, Cause::kForeign});
 }
 
 /// Returns whether a run was begun in this folder, even if it was killed before its first result.
@@ -123,11 +124,12 @@ const fs::path& folder_for(const ServoRequest& request) {
   if (request.folder.resume && !holds_begun_run(request.folder.path))
     throw InputError({"holds no run to resume",
                       "name the folder of one, or leave out --resume to begin one there",
-                      request.folder.path});
+                      request.folder.path, Cause::kMissing});
   // A run would overwrite the path's report.
   const fs::path looks = request.folder.path / "path_looks.csv";
   if (fs::exists(looks))
-    throw InputError({"the folder holds the run of a path", "name another folder", looks});
+    throw InputError(
+        {"the folder holds the run of a path", "name another folder", looks, Cause::kExists});
   make_folder(request.folder.path);
   require_writable(request.folder.path / "run.yaml", "run");
   require_writable(request.folder.path / "report.html", "page");
@@ -138,7 +140,8 @@ std::vector<TargetResult> results_so_far(const ServoRequest& request) {
   const fs::path results = results_file(request);
   if (!fs::exists(results) || fs::is_empty(results)) return {};
   if (!request.folder.resume)
-    throw InputError({"holds a run already", "name another folder or add --resume", results});
+    throw InputError(
+        {"holds a run already", "name another folder or add --resume", results, Cause::kExists});
   drop_torn_line(results, results_header());
   require_same_origins(results, run_origins(request));
   require_same_settings(results, settings_text(request));
@@ -162,12 +165,13 @@ void require_same_goal(const std::string& id, const TipPose& goal,
       throw InputError(
           {fmt::format("target '{}' is at {} now; the run to resume has a result of it at {}", id,
                        place_mm(goal.p), place_mm(result.p_d)),
-           "name another folder, or another id for the new place"});
+           "name another folder, or another id for the new place", "", Cause::kForeign});
     if (result.phi_d && std::abs(wrap_angle(*result.phi_d - goal.phi)) > kSameDirection_rad)
       throw InputError({fmt::format("target '{}' has the direction {:.6f} degrees now; the run to "
                                     "resume has a result of it at {:.6f} degrees",
                                     id, goal.phi / kDegree, *result.phi_d / kDegree),
-                        "name another folder, or another id for the new direction"});
+                        "name another folder, or another id for the new direction", "",
+                        Cause::kForeign});
   }
 }
 

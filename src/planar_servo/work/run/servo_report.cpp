@@ -310,11 +310,12 @@ std::vector<Refusal> run_faults(const ServoFigures& figures, const std::string& 
   if (figures.reached < figures.targets)
     faults.push_back({fmt::format("{} of {} targets were not reached",
                                   figures.targets - figures.reached, figures.targets),
-                      results + " has the reason of each"});
+                      results + " has the reason of each", "", Cause::kInsufficient});
   if (figures.made_worse)
     faults.push_back({kMadeWorse,
                       "planar-check-cell says what has moved since the calibration; if nothing "
-                      "has, record more training places and fit the error map again"});
+                      "has, record more training places and fit the error map again",
+                      "", Cause::kContradiction});
   return faults;
 }
 
@@ -421,7 +422,8 @@ Verdict servo_verdict(const ServoFigures& figures, const std::optional<std::stri
   if (ended_by)
     verdict.faults.push_back(
         {"the run was ended at " + *ended_by,
-         "mend the cell (planar-check-cell says what has changed), then continue with --resume"});
+         "mend the cell (planar-check-cell says what has changed), then continue with --resume", "",
+         Cause::kContradiction});
   if (verdict.found.empty())
     verdict.found = "No end point was measured";
   else if (!figures.is_judged())

@@ -90,7 +90,7 @@ bool saw_nothing(const ServoResult& attempt) {
 [[noreturn]] void give_up(const TargetRow& target, const std::string& reason,
                           const std::string& camera) {
   throw WorkError({fmt::format("{}; the camera {}", reason, camera),
-                   "mend it, then start again to continue", target.id});
+                   "mend it, then start again to continue", target.id, Cause::kDevice});
 }
 
 /// Returns the answer to a target that comes after a run has ended.

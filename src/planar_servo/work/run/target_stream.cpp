@@ -18,7 +18,8 @@ using Json = nlohmann::ordered_json;
 void write_line(std::ostream& out, const Json& answer) {
   constexpr int kOneLine = -1;
   out << answer.dump(kOneLine, ' ', false, Json::error_handler_t::replace) << std::endl;
-  if (!out) throw WorkError("the answers cannot be written; nobody would learn what moves");
+  if (!out)
+    throw WorkError("the answers cannot be written; nobody would learn what moves", Cause::kSystem);
 }
 
 }  // namespace

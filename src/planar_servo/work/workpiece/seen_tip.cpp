@@ -76,7 +76,8 @@ SeenTip see_tip(const std::vector<Frame>& frames, const std::vector<TipAtMark>& 
              : fmt::format("{} things of this kind and size turn with the tool", tips.size()),
          tips.empty() ? "look at the pictures: the disc must be seen whole in each; correct its "
                         "size and height"
-                      : "cover all but the disc at the tip"});
+                      : "cover all but the disc at the tip",
+         "", Cause::kInsufficient});
   SeenTip seen;
   const Eigen::Vector2d foot_B = vision.workplane.X_WC().translation().head<2>();
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -105,7 +106,8 @@ void require_height(const TaughtTip& taught, const SeenTip& seen, const VisionCa
   throw WorkError({fmt::format("the disc is seen {:.3f} mm beside where the tool turns it in all "
                                "pictures, as if it lay {:+.2f} mm higher than was stated",
                                mm(off), mm(height)),
-                   "measure the disc's height over the lamps again (--height-mm)"});
+                   "measure the disc's height over the lamps again (--height-mm)", "",
+                   Cause::kContradiction});
 }
 
 void add_height_doubt(TaughtTip& taught, const VisionCalibration& vision, const Fiducial& form) {

@@ -37,7 +37,7 @@ std::vector<Frame> whole_frames(FrameSource& camera, int count,
     if (result.status != FrameStatus::kOk && ++missed <= kMostMissed) continue;
     if (result.status != FrameStatus::kOk)
       throw WorkError({fmt::format("the camera gave no picture: {}", name(result.status)),
-                       "planar-doctor says what is wrong with it"});
+                       "planar-doctor says what is wrong with it", "", Cause::kDevice});
     result.frame.image = result.frame.image.clone();
     frames.push_back(std::move(result.frame));
   }

@@ -65,7 +65,8 @@ void require_enough(const Groups& groups, const std::vector<ErrorSample>& sample
   if (groups.size() >= kFewestSites) return;
   throw InputError({fmt::format("{} pairs have {} distinct {}", samples.size(), groups.size(),
                                 names_places(samples) ? "places" : "positions"),
-                    fmt::format("a map needs at least {} distinct positions", kFewestSites)});
+                    fmt::format("a map needs at least {} distinct positions", kFewestSites), "",
+                    Cause::kInsufficient});
 }
 
 double stated_sigma_of(const std::vector<ErrorSample>& samples, const Groups& groups) {

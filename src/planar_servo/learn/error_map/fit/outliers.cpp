@@ -193,7 +193,8 @@ void require_few(const Outliers& dropped, Eigen::Index sites) {
     return;
   throw InputError({fmt::format("{} of {} pairs disagree with the others, but at most {:.0f} % may",
                                 dropped.size(), sites, 100.0 * kMostContradicting),
-                    "are the positions of vision and tracker paired rightly?"});
+                    "are the positions of vision and tracker paired rightly?", "",
+                    Cause::kContradiction});
 }
 
 std::vector<Eigen::Index> sites_without(const Outliers& dropped, Eigen::Index count) {

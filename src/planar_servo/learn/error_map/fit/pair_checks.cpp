@@ -170,14 +170,15 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
     throw InputError({fmt::format("half of the vision positions lie within {:.4g} mm of their "
                                   "middle, half of the tracker positions within {:.4g} mm",
                                   mm(vision), mm(tracker)),
-                      remedy(wide / narrow)});
+                      remedy(wide / narrow), "", Cause::kContradiction});
   const double error = median_length(p_vision - p_tracker);
   if (wide > kSmallestSpread && error > kLargestError * narrow)
     throw InputError(
         {fmt::format("vision and tracker differ by {:.4g} mm in the median, while half of the "
                      "positions lie within {:.4g} mm of their middle",
                      mm(error), mm(narrow)),
-         fmt::format("{} (are x and y swapped, or rows paired wrongly?)", remedy(1.0))});
+         fmt::format("{} (are x and y swapped, or rows paired wrongly?)", remedy(1.0)), "",
+         Cause::kContradiction});
   if (narrow > kLargestSpread)
     throw InputError({fmt::format("half of the positions lie more than {:.4g} m from their middle, "
                                   "farther than arms reach; they look like micrometres",
@@ -189,7 +190,8 @@ void require_one_unit(const Eigen::Matrix2Xd& p_vision, const Eigen::Matrix2Xd& 
                                   "calibrated camera errs by less than {:.0f} % of that; {}",
                                   mm(error), mm(narrow), 100.0 * kCameraShare,
                                   shared_motion(p_vision, p_tracker, error)),
-                      "mend the datum, the camera or the pairing instead of learning it"});
+                      "mend the datum, the camera or the pairing instead of learning it", "",
+                      Cause::kContradiction});
   const double span = std::max(span_of(p_vision), span_of(p_tracker));
   if (span < kSmallestSpread)
     throw InputError(
@@ -210,7 +212,8 @@ std::optional<Refusal> doubt_of_shared_error(const std::vector<ErrorSample>& sam
   if (shared.empty()) return std::nullopt;
   return Refusal{"all pairs share nine tenths of their error: " + shared,
                  "the map learns it; if the datum, the tracker's frame or the plane's height is "
-                 "wrong, mend that first"};
+                 "wrong, mend that first",
+                 "", Cause::kContradiction};
 }
 
 void require_live_tracker(const std::vector<ErrorSample>& samples) {
@@ -235,7 +238,7 @@ void require_live_tracker(const std::vector<ErrorSample>& samples) {
                        alike.size(), mm(static_cast<double>(place.first) * kSameReading),
                        mm(static_cast<double>(place.second) * kSameReading), first.id, other->id,
                        mm(moved)),
-           "remove these pairs or record them again"});
+           "remove these pairs or record them again", "", Cause::kContradiction});
     }
   }
 }
@@ -249,7 +252,8 @@ void require_narrow_places(const std::vector<ErrorSample>& samples, const MapSit
     faults.add({fmt::format("place '{}': its {} pairs lie up to {:.1f} mm apart, where {:.1f} mm "
                             "is allowed, a tenth of the field",
                             samples[of.front()].place, of.size(), mm(width), mm(widest)),
-                "name the places of single positions, or remove the column place"});
+                "name the places of single positions, or remove the column place", "",
+                Cause::kContradiction});
   }
   faults.throw_if_any();
 }

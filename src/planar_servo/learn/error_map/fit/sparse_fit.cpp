@@ -143,7 +143,7 @@ Tuned tune(const Eigen::Matrix2Xd& centers, const MapSites& part, const Progress
     least = least_of_width;
   }
   if (std::isfinite(least)) return best;
-  throw WorkError(kSparseUnsolvable);
+  throw WorkError(kSparseUnsolvable, Cause::kInsufficient);
 }
 
 /// Progress is reported after this many sites.
@@ -312,7 +312,7 @@ SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
   SparseStatistics statistics = statistics_of(tuned.basis, sites, kept, progress);
   for (int round = 1;; ++round) {
     const auto fit = solve_ridge(statistics, tuned.basis.tail_basis.terms(), tuned.ridge);
-    if (!fit) throw WorkError(kSparseUnsolvable);
+    if (!fit) throw WorkError(kSparseUnsolvable, Cause::kInsufficient);
     const Eigen::Matrix2Xd residuals = residuals_of(tuned.basis, *fit, sites, progress);
     const Eigen::ArrayXd lengths = residuals.colwise().norm().transpose();
     const Eigen::ArrayXd limits = residual_limits(lengths, sites, cells, dropped);

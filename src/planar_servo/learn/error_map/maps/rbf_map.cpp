@@ -84,7 +84,7 @@ std::shared_ptr<const BorderedSystem> map_equations(const RbfParameters& paramet
       {fmt::format("the kernel matrix of {} samples with a width of {:.4g} mm and a ridge of "
                    "{:.3g} is too ill conditioned to be solved",
                    parameters.centers.cols(), mm(parameters.kernel.width), parameters.ridge),
-       "use a smaller width, or let the map choose width and ridge"});
+       "use a smaller width, or let the map choose width and ridge", "", Cause::kInsufficient});
 }
 
 RbfMap::RbfMap(RbfParameters parameters, std::shared_ptr<const BorderedSystem> equations)
@@ -149,7 +149,7 @@ Eigen::MatrixXd center_factor(const Eigen::Matrix2Xd& centers, double width) {
   throw WorkError({fmt::format("the kernel matrix of {} centres with a width of {:.4g} mm is too "
                                "ill conditioned to be solved",
                                centers.cols(), mm(width)),
-                   "use a smaller width"});
+                   "use a smaller width", "", Cause::kInsufficient});
 }
 
 SparseRbfMap::SparseRbfMap(SparseRbfParameters parameters)

@@ -15,7 +15,7 @@ namespace {
 void require_readings(const std::vector<ArmReading>& readings) {
   if (readings.size() < kFewestPoses)
     throw InputError({fmt::format("{} readings are too few to find an arm", readings.size()),
-                      fmt::format("{} are needed", kFewestPoses)});
+                      fmt::format("{} are needed", kFewestPoses), "", Cause::kInsufficient});
   for (const ArmReading& reading : readings)
     if (!reading.motors.allFinite() || !reading.p_B.allFinite() || !std::isfinite(reading.sigma) ||
         reading.sigma <= 0.0)
