@@ -262,7 +262,7 @@ nlohmann::json findings_json(const std::vector<Finding>& findings) {
                     {"subject", finding.where},
                     {"what", finding.fault},
                     {"remedy", finding.remedy}});
-    if (finding.verdict != Verdict::kWell) rows.back()["cause"] = to_text(finding.cause);
+    if (finding.verdict != Finding::Verdict::kWell) rows.back()["cause"] = to_text(finding.cause);
   }
   return {{"findings", rows}};
 }
