@@ -15,7 +15,7 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/machine/plausibility.h"
-#include "planar_servo/report/live/live_view.h"
+#include "planar_servo/report/live_view.h"
 #include "planar_servo/work/run/cell_check.h"
 #include "planar_servo/work/run/dry_run.h"
 #include "planar_servo/work/run/path_report.h"
@@ -172,38 +172,38 @@ std::string title_of(const ServoSight& sight) {
                      step.measurement.inside_map ? "" : "   outside the error map");
 }
 
-/// Shows every step of a servo as it is measured.
+/// Shows every step of a servo as it is measured: the lamps (crosses), where they belong (rings),
+/// and the errors of this target so far.
 class ServoDisplay {
  public:
-  /// Begins to draw into the file `picture` where the policy asks for that.
+  /// Draws into the file `picture` where the policy asks for that.
   ServoDisplay(DisplayPolicy policy, const fs::path& picture)
-      : view_(open_display(policy, picture)) {}
+      : picture_(open_display(policy, picture)) {}
 
-  /// Shows a step. It does nothing when nothing is to be drawn.
   void show(const ServoSight& sight) {
-    if (!view_) return;
-    if (sight.step.iteration == 0) errors_m_.clear();
-    ServoView view;
-    view.title = title_of(sight);
-    view.measured = sight.step.measurement.ok();
-    if (view.measured) {
-      errors_m_.emplace_back(sight.step.believed_p() - sight.step.target.p);
-      const auto& lamps_px = sight.step.measurement.lamps_px;
-      view.lamps_px.assign(lamps_px.begin(), lamps_px.end());
+    using Color = LiveView::Color;
+    if (!picture_) return;
+    const ServoStep& step = sight.step;
+    if (step.iteration == 0) lines_ = {{"error after each step", Color::kInk}};
+    LiveView view{title_of(sight), sight.frame.image};
+    view.corner_px = cv::Rect2d(sight.frame.region_px).tl();
+    if (sight.wanted_px)
+      for (const Eigen::Vector2d& uv : *sight.wanted_px)
+        view.marks.push_back({uv, LiveView::Shape::kRing, 26.0, Color::kWanted});
+    if (step.measurement.ok()) {
+      for (const Eigen::Vector2d& uv : step.measurement.lamps_px)
+        view.marks.push_back({uv, LiveView::Shape::kCross, 6.0, Color::kSeen});
+      const bool is_content = step.miss_m() <= step.stop_below_m;
+      lines_.push_back({fmt::format("{}: {:.4f} mm", step.iteration, mm(step.miss_m())),
+                        is_content ? Color::kSeen : Color::kWanted});
     }
-    if (sight.wanted_px) view.wanted_px.assign(sight.wanted_px->begin(), sight.wanted_px->end());
-    view.frame = sight.frame;
-    view.errors_m = errors_m_;
-    view.stop_below_m = sight.step.stop_below_m;
-    view_->show(plot_of(std::move(view)));
+    view.lines = lines_;
+    picture_->show(view);
   }
 
-  /// Draws the last step if it has not been drawn yet, and warns of what went wrong.
-  void close() { close_display(view_.get()); }
-
  private:
-  std::unique_ptr<LiveView> view_;  ///< null when nothing is drawn
-  std::vector<Eigen::Vector2d> errors_m_;
+  std::unique_ptr<LivePicture> picture_;  ///< null when nothing is drawn
+  std::vector<LiveView::Line> lines_;
 };
 
 bool from_stdin(const Options& options) {
@@ -388,7 +388,6 @@ Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCe
                        options.request.folder.path / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const bool good_input = move(run, options, tools, targets);
-  display.close();
   return report(request, options, run, devices->camera().counts(), good_input);
 }
 

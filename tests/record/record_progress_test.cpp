@@ -1,6 +1,8 @@
 #include "planar_servo/work/record/record_progress.h"
 
 #include <catch2/catch.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -24,7 +26,7 @@ struct ProgressBench {
     for (const char* id : {"g0", "g1"})
       request.plan.push_back({id, Purpose::kHeldBoard, std::monostate()});
   }
-  RecordProgress progress(LiveView* display = nullptr) {
+  RecordProgress progress(LivePicture* display = nullptr) {
     BegunRecording begun;
     begun.ids = {"t0"};
     return {request, joints_of_plan(request.cell, request.plan), begun, clock, display};
@@ -58,15 +60,24 @@ TEST_CASE(
   CHECK(progress.text() == "7 of 7");
 }
 
-TEST_CASE("Progress is drawn where a display is, and nowhere else") {
+TEST_CASE("Where a display is, a map has what is done in green and what is left out in red") {
   const test::TemporaryFolder folder;
   ProgressBench bench;
-  LiveView view(folder / "view.png");
-  RecordProgress progress = bench.progress(&view);
-  bench.record(progress, 1, 20.0);
-  progress.finish();
-  CHECK_FALSE(view.close());
-  CHECK(std::filesystem::exists(folder / "view.png"));
+  LivePicture picture(folder / "view.png");
+  RecordProgress progress = bench.progress(&picture);
+  const auto pixels_on_map = [&](const cv::Scalar& bgr) {
+    progress.finish();
+    cv::Mat found;
+    cv::inRange(cv::imread(folder / "view.png")(cv::Rect(16, 48, 512, 512)), bgr, bgr, found);
+    return cv::countNonZero(found);
+  };
+  const cv::Scalar green(90, 220, 60), red(80, 80, 255);
+  CHECK(pixels_on_map(green) == 0);  // t0 is done, but t3 lies above it
+  bench.record(progress, 3, 20.0);
+  CHECK(pixels_on_map(green) == 49);
+  CHECK(pixels_on_map(red) == 0);
+  bench.record(progress, 4, 20.0, PlaceMark::kLeftOut);
+  CHECK(pixels_on_map(red) == 49);
 }
 
 }  // namespace

@@ -31,15 +31,6 @@ void require_file_name(const std::string& name, const char* where) {
                       where});
 }
 
-RecordingState state_of(const RecordView& view) {
-  RecordingState state{view.title, view.now, view.counts, {}, {}, view.here_B};
-  for (const RecordView::Place& place : view.places)
-    state.places.push_back({place.p_B, place.mark});
-  for (const RecordView::Point& monument : view.monuments)
-    state.monuments.emplace_back(monument.id, monument.p_B);
-  return state;
-}
-
 std::string words_of(const Certificate& certificate) {
   if (!certificate.run.ended_by.empty())
     return fmt::format(
@@ -103,12 +94,12 @@ int RecordingJob::begin(const RecordingOrder& order, StopsKnown known) {
     request.stop = stop;
     const auto at_page = std::make_shared<PageOperator>(board_, stop, begin_once);
     request.person = at_page;
-    request.watch = [&](const RecordView& view) {
+    request.watch = [&](const RecordingState& recording) {
       begin_once();
       board_.change([&](CellState& state) {
-        state.recording = state_of(view);
+        state.recording = recording;
         state.job->done = static_cast<std::size_t>(
-            std::count_if(view.places.begin(), view.places.end(),
+            std::count_if(recording.places.begin(), recording.places.end(),
                           [](const auto& place) { return place.mark != PlaceMark::kToDo; }));
       });
     };

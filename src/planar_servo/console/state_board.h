@@ -20,6 +20,7 @@
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
+#include "planar_servo/work/record/recording_state.h"
 
 namespace planar {
 
@@ -100,20 +101,6 @@ struct PageQuestion {
   int id{0};
   std::string text;
 };
-
-/// A recording on its way. Base frame, metres.
-struct RecordingState {
-  struct Place {
-    Eigen::Vector2d p_B;
-    PlaceMark mark;
-  };
-  std::string title, now;
-  std::vector<std::string> counts;
-  std::vector<Place> places;
-  std::vector<std::pair<std::string, Eigen::Vector2d>> monuments;
-  std::optional<Eigen::Vector2d> here_B;
-};
-
 /// All that the page shows of the moment.
 struct CellState {
   int opened{0};           ///< how often the cell's files were read

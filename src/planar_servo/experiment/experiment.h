@@ -13,7 +13,7 @@
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/plan/experiment_plan.h"
 #include "planar_servo/offline/plan/predicted_positioning.h"
-#include "planar_servo/report/live/live_view.h"
+#include "planar_servo/report/live_view.h"
 #include "planar_servo/work/run/servo_run.h"
 
 namespace planar {

@@ -10,7 +10,6 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/offline/grey_image.h"
-#include "planar_servo/report/live/record_view.h"
 
 namespace planar {
 namespace {
@@ -139,7 +138,7 @@ BoardAdvice BoardGuide::unneeded(double t_s, const BoardStance& stance, const st
 }
 
 GuidedBoard::GuidedBoard(const RecordRequest& request, const std::set<std::string>& present,
-                         FrameSource& camera, Clock& clock, Operator& person, LiveView* display)
+                         FrameSource& camera, Clock& clock, Operator& person, LivePicture* display)
     : request_(request),
       board_(request.board.value()),
       camera_(camera),
@@ -248,18 +247,27 @@ void GuidedBoard::show(const PlanRow& row, const Frame& frame, const BoardSight&
   const std::string more = more_views(row.plan, views.left);
   person_.show(fmt::format("{}: {}", more, advice.state));
   if (display_ == nullptr) return;
-  BoardView view;
-  view.title = fmt::format("{}   {}", row.id, more);
-  view.state = advice.state;
-  view.good = advice.next != Next::kChange;
-  view.wish = views.guide.choice().request();
-  for (const BoardWish& wish : views.guide.choice().missing()) view.lacks.emplace_back(wish.lack);
-  view.picture = frame.image;
-  view.dots_px = sight.pixels;
-  view.covered_px = views.guide.covered_px();
-  for (const PictureCorner corner : views.guide.choice().open_corners())
+  using Color = LiveView::Color;
+  const ViewChoice& choice = views.guide.choice();
+  const Color now = advice.next != Next::kChange ? Color::kSeen : Color::kWanted;
+  LiveView view{fmt::format("{}   {}", row.id, more), frame.image};
+  const auto mark = [&](const std::vector<Eigen::Vector2d>& dots_px, double radius_px,
+                        Color color) {
+    for (const Eigen::Vector2d& uv : dots_px)
+      view.marks.push_back({uv, LiveView::Shape::kCross, radius_px, color});
+  };
+  mark(views.guide.covered_px(), 2.0, Color::kFixed);
+  mark(sight.pixels, 4.0, now);
+  for (const PictureCorner corner : choice.open_corners())
     view.open_px.push_back(corner_of_picture(corner, sensor_px()));
-  display_->show(plot_of(std::move(view)));
+  view.lines = {{advice.state, now}, {"", now}, {"next: " + choice.request(), Color::kInk}};
+  if (!choice.missing().empty())
+    view.lines.insert(view.lines.end(), {{"", now}, {"of the views so far", Color::kFaint}});
+  for (const BoardWish& wish : choice.missing()) view.lines.push_back({wish.lack, Color::kFaint});
+  view.lines.insert(view.lines.end(), {{"", now},
+                                       {"blue: dots of the views taken", Color::kFixed},
+                                       {"orange frames: no view reaches there", Color::kWanted}});
+  display_->show(view);
 }
 
 void GuidedBoard::note_sight(const std::string& id, bool is_seen, const BoardAdvice& advice) {

@@ -13,6 +13,7 @@
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/view_choice.h"
 #include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/report/live_view.h"
 #include "planar_servo/work/record/recorder.h"
 
 namespace planar {
@@ -113,7 +114,7 @@ class GuidedBoard final : public BoardSource {
   /// `present` are the ids that the request's recording holds; the board is found in their images
   /// again. `request.board` must say which board it is. `display` may be null.
   GuidedBoard(const RecordRequest& request, const std::set<std::string>& present,
-              FrameSource& camera, Clock& clock, Operator& person, LiveView* display);
+              FrameSource& camera, Clock& clock, Operator& person, LivePicture* display);
 
   /// Throws WorkError when asked to stop, when the camera sends no frame for a minute, and when
   /// nobody shows the board for ten.
@@ -146,7 +147,7 @@ class GuidedBoard final : public BoardSource {
   FrameSource& camera_;
   Clock& clock_;
   Operator& person_;
-  LiveView* display_;
+  LivePicture* display_;
   std::map<Purpose, Views> views_;
   std::vector<Eigen::Vector2d> last_px_;  ///< the board in the view taken last
   double seen_s_{0.0};  ///< when the board was seen last, on the clock, or the wait began

@@ -14,11 +14,18 @@ namespace planar {
 namespace {
 
 constexpr double kBetweenLines_s = 60.0;
+constexpr double kMapMargin = 1.08;  // about what lies farthest out
+
+LiveView::Color color_of(PlaceMark mark) {
+  if (mark == PlaceMark::kDone) return LiveView::Color::kSeen;
+  return mark == PlaceMark::kToDo ? LiveView::Color::kFaint : LiveView::Color::kAlarm;
+}
 
 }  // namespace
 
 RecordProgress::RecordProgress(const RecordRequest& request, const std::vector<Joints>& joints,
-                               const BegunRecording& begun, const Clock& clock, LiveView* display)
+                               const BegunRecording& begun, const Clock& clock,
+                               LivePicture* display)
     : request_(request), clock_(clock), display_(display) {
   const PlanarArm arm(request.cell.arm.geometry);
   for (std::size_t i = 0; i < request.plan.size(); ++i) {
@@ -39,20 +46,20 @@ RecordProgress::Sort RecordProgress::sort_of(const PlanRow& row) {
 void RecordProgress::begin(std::size_t row) {
   begun_s_ = clock_.now_s();
   tell(request_.plan[row]);
-  RecordView shown = view();
-  shown.now = "now: " + request_.plan[row].id;
-  if (!shows_board(request_.plan[row].plan)) shown.here_B = places_B_[row];
-  show(std::move(shown));
+  RecordingState now = state();
+  now.now = "now: " + request_.plan[row].id;
+  if (!shows_board(request_.plan[row].plan)) now.here_B = places_B_[row];
+  show(now);
 }
 
 void RecordProgress::finish() {
   line_.wipe();
-  show(view());
+  show(state());
 }
 
-void RecordProgress::show(RecordView view) const {
-  if (request_.watch) request_.watch(view);
-  if (display_ != nullptr) display_->show(plot_of(std::move(view)));
+void RecordProgress::show(const RecordingState& state) const {
+  if (request_.watch) request_.watch(state);
+  if (display_ != nullptr) display_->show(view_of(state));
 }
 
 void RecordProgress::end(std::size_t row, PlaceMark mark) {
@@ -103,21 +110,57 @@ void RecordProgress::say(const std::string& message) {
   spdlog::info(message);
 }
 
-RecordView RecordProgress::view() const {
-  RecordView view;
-  view.title = text();
-  for (const Border& border : request_.cell.workspace.borders())
-    view.borders.push_back({border.p_B, border.radius_m});
+RecordingState RecordProgress::state() const {
+  RecordingState state;
+  state.title = text();
   for (const Monument& monument : request_.cell.datum)
-    view.monuments.push_back({monument.id, monument.p_B.head<2>()});
+    state.monuments.emplace_back(monument.id, monument.p_B.head<2>());
   const auto count = [&](PlaceMark mark) { return std::count(marks_.begin(), marks_.end(), mark); };
-  view.counts = {fmt::format("{} recorded", count(PlaceMark::kDone)),
-                 fmt::format("{} left out", count(PlaceMark::kLeftOut)),
-                 fmt::format("{} to be recorded", count(PlaceMark::kToDo))};
+  state.counts = {fmt::format("{} recorded", count(PlaceMark::kDone)),
+                  fmt::format("{} left out", count(PlaceMark::kLeftOut)),
+                  fmt::format("{} to be recorded", count(PlaceMark::kToDo))};
   if (const Pace& boards = pace(Sort::kBoard); boards.all > 0)
-    view.counts.push_back(fmt::format("views of the board: {} of {}", boards.over, boards.all));
+    state.counts.push_back(fmt::format("views of the board: {} of {}", boards.over, boards.all));
   for (std::size_t i = 0; i < marks_.size(); ++i)
-    if (!shows_board(request_.plan[i].plan)) view.places.push_back({places_B_[i], marks_[i]});
+    if (!shows_board(request_.plan[i].plan)) state.places.push_back({places_B_[i], marks_[i]});
+  return state;
+}
+
+/// A map of the places, the borders of the workspace, base and monuments; x to the right, y up.
+LiveView RecordProgress::view_of(const RecordingState& state) const {
+  using Color = LiveView::Color;
+  using Shape = LiveView::Shape;
+  const std::vector<Border> borders = request_.cell.workspace.borders();
+  double farthest_m = 0.0;
+  const auto include = [&](const Eigen::Vector2d& p_B, double radius_m) {
+    farthest_m = std::max(farthest_m, p_B.cwiseAbs().maxCoeff() + radius_m);
+  };
+  for (const Border& border : borders) include(border.p_B, border.radius_m);
+  for (const auto& [id, p_B] : state.monuments) include(p_B, 0.0);
+  for (const auto& place : state.places) include(place.p_B, 0.0);
+  const double half_px = 0.5 * kLivePanel_px;
+  const double px_per_m = farthest_m > 0.0 ? half_px / (kMapMargin * farthest_m) : 1.0;
+  LiveView view;
+  view.title = state.title;
+  view.picture = cv::Mat(kLivePanel_px, kLivePanel_px, CV_8UC1, cv::Scalar(26));
+  const auto mark = [&](const Eigen::Vector2d& p_B, Shape shape, double radius_px, Color color) {
+    const Eigen::Vector2d uv_px(half_px + px_per_m * p_B.x(), half_px - px_per_m * p_B.y());
+    view.marks.push_back({uv_px, shape, radius_px, color});
+  };
+  for (const Border& border : borders)
+    mark(border.p_B, Shape::kRing, px_per_m * border.radius_m, Color::kFaint);
+  mark({0.0, 0.0}, Shape::kCross, 7.0, Color::kInk);
+  for (const auto& place : state.places) mark(place.p_B, Shape::kBox, 3.0, color_of(place.mark));
+  for (const auto& [id, p_B] : state.monuments) mark(p_B, Shape::kCross, 7.0, Color::kFixed);
+  if (state.here_B) mark(*state.here_B, Shape::kRing, 9.0, Color::kWanted);
+  view.lines = {{state.now, Color::kWanted}, {"", Color::kInk}};
+  for (const std::string& count : state.counts) view.lines.push_back({count, Color::kInk});
+  view.lines.insert(view.lines.end(), {{"", Color::kInk},
+                                       {"green: recorded", Color::kSeen},
+                                       {"red: left out", Color::kAlarm},
+                                       {"grey: to be recorded", Color::kFaint},
+                                       {"blue: monuments", Color::kFixed},
+                                       {"white: the base; x right, y up", Color::kInk}});
   return view;
 }
 

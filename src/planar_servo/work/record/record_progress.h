@@ -9,7 +9,7 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/io/terminal.h"
-#include "planar_servo/report/live/record_view.h"
+#include "planar_servo/report/live_view.h"
 #include "planar_servo/work/record/recorder.h"
 #include "planar_servo/work/record/recording_start.h"
 
@@ -23,7 +23,7 @@ class RecordProgress {
   /// `joints` are those of the request's plan, and `begun` is what its recording holds. `display`
   /// may be null. Request, clock and display must outlive this. The pace is that of `clock`.
   RecordProgress(const RecordRequest& request, const std::vector<Joints>& joints,
-                 const BegunRecording& begun, const Clock& clock, LiveView* display);
+                 const BegunRecording& begun, const Clock& clock, LivePicture* display);
 
   /// Says that this row of the plan is recorded from now on.
   void begin(std::size_t row);
@@ -50,12 +50,13 @@ class RecordProgress {
   std::string left_text() const;
   void tell(const PlanRow& row);
   void say(const std::string& message);
-  RecordView view() const;
-  void show(RecordView view) const;
+  RecordingState state() const;
+  void show(const RecordingState& state) const;
+  LiveView view_of(const RecordingState& state) const;
 
   const RecordRequest& request_;
   const Clock& clock_;
-  LiveView* display_;
+  LivePicture* display_;
   StatusLine line_;
   std::vector<Eigen::Vector2d> places_B_;  ///< of all rows; of no meaning for views of the board
   std::vector<PlaceMark> marks_;

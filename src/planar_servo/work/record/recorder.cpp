@@ -38,7 +38,7 @@ class Recorder {
  public:
   /// `joints` are those of the request's plan.
   Recorder(const RecordRequest& request, const std::vector<Joints>& joints,
-           const BegunRecording& begun, CellDevices& devices, LiveView* display)
+           const BegunRecording& begun, CellDevices& devices, LivePicture* display)
       : cell_(request.cell),
         plan_(request.plan),
         joints_(joints),
@@ -333,7 +333,6 @@ RecordReport record(const RecordRequest& request, CellDevices& devices) {
   const auto display = open_display(request.display, request.recording / "view.png");
   make_folder(request.recording / "images");
   RecordReport report = Recorder(request, joints, begun, devices, display.get()).run();
-  close_display(display.get());
   return report;
 }
 

@@ -17,9 +17,9 @@
 #include "planar_servo/hardware/robot/homing.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/judge/reflector_readings.h"
-#include "planar_servo/report/live/live_view.h"
-#include "planar_servo/report/live/record_view.h"
+#include "planar_servo/report/live_view.h"
 #include "planar_servo/report/report_list.h"
+#include "planar_servo/work/record/recording_state.h"
 
 namespace planar {
 
@@ -45,7 +45,7 @@ struct RecordRequest {
   /// Is asked and told what a person is to do.
   std::shared_ptr<Operator> person{std::make_shared<Terminal>()};
   /// Is told how far the recording has come whenever a place begins, and at the end. May be empty.
-  std::function<void(const RecordView&)> watch{};
+  std::function<void(const RecordingState&)> watch{};
   /// Is asked about drives that do not know their position. Empty: they may not be homed.
   MayHome may_home{};
 };
