@@ -104,7 +104,7 @@ struct PageQuestion {
 /// All that the page shows of the moment.
 struct CellState {
   int opened{0};           ///< how often the cell's files were read
-  std::uint64_t stops{0};  ///< so often was the cell stopped
+  std::uint64_t stops{0};  ///< how often the cell was stopped
   Doing doing{Doing::kIdle};
   std::string text{"idle"};
   double since_s{0.0};  ///< by the steady clock

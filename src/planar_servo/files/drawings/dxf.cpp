@@ -240,7 +240,7 @@ class DxfPieces {
 
   double radius_of(const Entity& entity) {
     const double radius = needed(entity, 40);
-    if (!(radius > 0.0))
+    if (!(radius > 0.0) && number_of(entity, 40))
       refuse(entity, fmt::format("a {} has the radius {:g}", entity.kind, radius), "leave it out");
     return radius;
   }

@@ -84,7 +84,7 @@ constexpr int kEnoughUsbMemory_mb = 64;
 /// Of a GigE packet: headers of IP, UDP and GVSP within its size; frame, preamble and gap of
 /// Ethernet around it, bytes.
 constexpr double kPacketHeaders = 20 + 8 + 8, kPacketFrame = 14 + 4 + 8 + 12;
-/// The kernel takes in packets at least so often while it is busy (its default of
+/// The kernel takes in packets at least this often while it is busy (its default of
 /// net.core.netdev_budget_usecs).
 constexpr double kKernelPause_s = 2e-3;
 /// Where drivers that weigh processor time against delay stop (InterruptThrottleRate of Intel's
