@@ -107,4 +107,15 @@ TEST_CASE("An AprilTag's number is what its id ends with") {
   CHECK_FALSE(tag_number("A12345"));
 }
 
+TEST_CASE("A mark of the base may be a tag only where that has its number") {
+  Fiducial mark{"base 12"};
+  mark.kind = FiducialKind::kAprilTag;
+  CHECK(may_have_tag(mark, 12));
+  CHECK_FALSE(may_have_tag(mark, 7));
+  CHECK_FALSE(may_have_tag(mark, std::nullopt));
+  mark.kind = FiducialKind::kBrightDisc;
+  CHECK(may_have_tag(mark, 7));
+  CHECK(may_have_tag(mark, std::nullopt));
+}
+
 }  // namespace planar

@@ -378,26 +378,6 @@ void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCali
         "stands in the uncertainty");
 }
 
-/// Numbers works by columns along x, and within a column along y. One that lies less than half a
-/// drawing beside its neighbour is of its column, so that a look again numbers them alike.
-void number_works(std::vector<FoundWork>& works, const std::vector<Fiducial>& drawing) {
-  if (works.size() == 1) return;
-  Eigen::AlignedBox2d drawn;
-  for (const Fiducial& mark : drawing)
-    drawn.extend(Eigen::AlignedBox2d(mark.p_W.array() - mark.size, mark.p_W.array() + mark.size));
-  const double same_column = 0.5 * drawn.sizes().minCoeff();
-  const auto x = [](const FoundWork& work) { return work.pose.t.x(); };
-  const auto y = [](const FoundWork& work) { return work.pose.t.y(); };
-  std::sort(works.begin(), works.end(),
-            [&](const FoundWork& a, const FoundWork& b) { return x(a) < x(b); });
-  for (auto first = works.begin(), last = first; first != works.end(); first = last) {
-    while (++last != works.end() && x(*last) - x(*(last - 1)) < same_column) {
-    }
-    std::sort(first, last, [&](const FoundWork& a, const FoundWork& b) { return y(a) < y(b); });
-  }
-  for (std::size_t i = 0; i < works.size(); ++i) works[i].id = std::to_string(i + 1);
-}
-
 [[noreturn]] void refuse_ambiguous(const std::vector<Constellation>& found) {
   std::string places;
   for (const Constellation& place : found)
@@ -421,6 +401,24 @@ bool share_marks(const std::vector<Constellation>& found) {
 }
 
 }  // namespace
+
+void number_works(std::vector<FoundWork>& works, const std::vector<Fiducial>& drawing) {
+  if (works.size() == 1) return;
+  Eigen::AlignedBox2d drawn;
+  for (const Fiducial& mark : drawing)
+    drawn.extend(Eigen::AlignedBox2d(mark.p_W.array() - mark.size, mark.p_W.array() + mark.size));
+  const double same_column = 0.5 * drawn.sizes().minCoeff();
+  const auto x = [](const FoundWork& work) { return work.pose.t.x(); };
+  const auto y = [](const FoundWork& work) { return work.pose.t.y(); };
+  std::sort(works.begin(), works.end(),
+            [&](const FoundWork& a, const FoundWork& b) { return x(a) < x(b); });
+  for (auto first = works.begin(), last = first; first != works.end(); first = last) {
+    while (++last != works.end() && x(*last) - x(*(last - 1)) < same_column) {
+    }
+    std::sort(first, last, [&](const FoundWork& a, const FoundWork& b) { return y(a) < y(b); });
+  }
+  for (std::size_t i = 0; i < works.size(); ++i) works[i].id = std::to_string(i + 1);
+}
 
 double lamps_shift_sigma(const Workplane& plane, const Eigen::Vector2d& p_B) {
   constexpr double kLamps_px = 0.03;

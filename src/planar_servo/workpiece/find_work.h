@@ -58,6 +58,10 @@ std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionC
                                  const std::vector<Fiducial>& drawing,
                                  const WorkSettings& settings);
 
+/// Numbers works by columns along x, and within a column along y. One that lies less than half a
+/// drawing beside its neighbour is of its column, so that a look again numbers them alike.
+void number_works(std::vector<FoundWork>& works, const std::vector<Fiducial>& drawing);
+
 /// Returns by how much lamps are shifted beside marks by their rims and glow: standard deviation
 /// per axis near a place, metres; 0 where it is not seen. Reflections and smears shift a centre by
 /// up to 0.026 px, rms (doc/lamps.md), and a map takes the mean of it for the lens's.
