@@ -23,10 +23,11 @@ LiveView view_with_lamp_at(const Eigen::Vector2d& uv_px) {
   return view;
 }
 
-/// Returns the box about what is drawn in the colour of what was seen; empty where nothing is.
+/// Returns the box about what is drawn in the colour of what was seen, or in smooth letters of it;
+/// empty where nothing is.
 cv::Rect green_box(const cv::Mat& picture) {
   cv::Mat green;
-  cv::inRange(picture, cv::Scalar(90, 220, 60), cv::Scalar(90, 220, 60), green);
+  cv::inRange(picture, cv::Scalar(0, 120, 0), cv::Scalar(100, 255, 90), green);
   std::vector<cv::Point> places;
   cv::findNonZero(green, places);
   return places.empty() ? cv::Rect() : cv::boundingRect(places);
