@@ -23,10 +23,11 @@ Lamps look(planar::FrameSource& camera, planar::PairExpectation& expectation) {
   static planar::LampTracker tracker(planar::CenterMethod::kAuto);
   const planar::FrameResult result = camera.next_frame();
   if (result.status != planar::FrameStatus::kOk)
-    throw planar::WorkError("the camera sends nothing");
+    throw planar::WorkError("the camera sends nothing", planar::Cause::kDevice);
   const planar::LampPair pair = tracker.locate(result.frame, expectation);
   if (pair.status != planar::LampStatus::kOk && expectation.predicted_px)
-    throw planar::WorkError(std::string("the lamps are lost: ") + planar::name(pair.status));
+    throw planar::WorkError(std::string("the lamps are lost: ") + planar::name(pair.status),
+                            planar::Cause::kInsufficient);
   expectation.predicted_px = {pair.lamps[0].uv_px, pair.lamps[1].uv_px};
   Lamps lamps;
   for (std::size_t i = 0; i < 2; ++i) {

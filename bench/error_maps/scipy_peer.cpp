@@ -26,12 +26,12 @@ void write(const std::vector<ErrorSample>& samples, const std::filesystem::path&
 
 std::string output_of(const std::string& command) {
   std::FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) throw WorkError("cannot run " + command);
+  if (!pipe) throw WorkError("cannot run " + command, Cause::kSystem);
   std::string output;
   std::array<char, 4096> buffer{};
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
     output.append(buffer.data(), n);
-  if (pclose(pipe) != 0) throw WorkError(command + " failed");
+  if (pclose(pipe) != 0) throw WorkError(command + " failed", Cause::kSystem);
   return output;
 }
 
@@ -40,7 +40,8 @@ std::string output_of(const std::string& command) {
 void require_scipy() {
   const std::string probe = BENCH_PYTHON " -c 'import numpy, scipy' 2>/dev/null";
   if (std::system(probe.c_str()) != 0)
-    throw WorkError(BENCH_PYTHON " cannot import numpy and scipy; bench/install makes it anew");
+    throw WorkError(BENCH_PYTHON " cannot import numpy and scipy; bench/install makes it anew",
+                    Cause::kMissing);
 }
 
 std::map<std::string, std::vector<Score>> run_scipy(
