@@ -105,7 +105,7 @@ MapResult fit(const py::object& p_vision, const py::object& p_reference, const s
   return fit_error_map(problem);
 }
 
-py::list rejected_of(const MapResult& result) {
+py::list rejected_samples_of(const MapResult& result) {
   py::list rejected;
   for (const RejectedSample& sample : result.rejected)
     rejected.append(py::make_tuple(sample.index, sample.id, sample.residual, sample.reason));
@@ -134,7 +134,7 @@ void bind_fit(py::module_& m) {
                  name(kind_of(r.map)), r.n_used, mm(r.raw_rms), mm(r.loo_rms),
                  r.worth_using ? "" : ", not worth using");
            })
-      .def_property_readonly("rejected", &rejected_of,
+      .def_property_readonly("rejected", &rejected_samples_of,
                              "List of (index, id, residual in metres, reason).")
       .def_property_readonly(
           "positions",
