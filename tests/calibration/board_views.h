@@ -32,7 +32,8 @@ inline CalibrationView view_of_board(const CameraModel& camera, const Pose& X_CG
       view.dot_areas_px2.push_back(std::abs(determinant) * 3.14159265 * dot_diameter *
                                    dot_diameter / 4.0);
     }
-    view.pixels.emplace_back(uv.x() + noise(random), uv.y() + noise(random));
+    for (double& coordinate : uv) coordinate += noise(random);
+    view.pixels.push_back(uv);
   }
   return view;
 }

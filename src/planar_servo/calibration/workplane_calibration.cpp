@@ -125,6 +125,8 @@ std::vector<double> distances(const Seen& seen, const Eigen::Vector2d& p_reflect
 
 struct NormalEquations {
   Matrix6d information{Matrix6d::Zero()};
+  /// Change of the gradient by the reflector's place in the lamps' frame.
+  Eigen::Matrix<double, 6, 2> by_reflector{Eigen::Matrix<double, 6, 2>::Zero()};
   Vector6d gradient{Vector6d::Zero()};
   double square{0.0};
   int n{0};
@@ -138,6 +140,7 @@ NormalEquations linearise(const Seen& seen, const Eigen::Vector2d& p_reflector) 
     const PoseJacobian<2> J =
         s.lamps.d_middle_d_pose + Eigen::Vector2d(-arm.y(), arm.x()) * s.lamps.d_phi_d_pose;
     sum.information += J.transpose() * J;
+    sum.by_reflector += J.transpose() * rotation2d(s.lamps.phi);
     sum.gradient += J.transpose() * residual;
     sum.square += residual.squaredNorm();
     ++sum.n;
@@ -242,6 +245,7 @@ void require_small(double rms_m, const Seen& seen) {
 struct Settled {
   WorkplaneFit fit;
   NormalEquations sum;
+  double reflector_variance;  ///< of each coordinate in the lamps' frame, by the sweeps
 };
 
 Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
@@ -259,6 +263,7 @@ Settled fit_in_rounds(SightSet& sights, const Pose& start, const Step& step) {
   settled.fit.n_used = seen.size();
   settled.fit.rejected = sights.rejected();
   settled.sum = linearise(seen, fits.reflector_in_lamps());
+  settled.reflector_variance = fits.lamps.variance + fits.reflector.variance;
   require_small(settled.fit.rms, seen);
   return settled;
 }
@@ -274,14 +279,28 @@ void require_same_lengths(const Pose& by_board, const Pose& by_tracker) {
                     Cause::kContradiction});
 }
 
-/// Returns the covariance of the camera pose when position and turn in the plane come from the
-/// pairs, and height and tilt from the board. The pairs compensate part of the board's error.
-Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& board) {
+/// Returns the covariance of the camera pose that comes from the pairs alone. An error of the
+/// reflector's place on the tool, which is that of the sweeps, shifts all pairs alike.
+Matrix6d pairs_covariance(const NormalEquations& sum, double reflector_variance) {
+  const Matrix6d inverse = solve_symmetric(sum.information, Matrix6d::Identity());
+  const Eigen::Matrix<double, 6, 2> shift = inverse * sum.by_reflector;
+  return sum.square / (2.0 * sum.n - 6.0) * inverse +
+         reflector_variance * shift * shift.transpose();
+}
+
+/// Returns it when position and turn in the plane come from the pairs, and height and tilt from the
+/// board. The pairs compensate part of the board's error.
+Matrix6d board_covariance(const NormalEquations& sum, double reflector_variance,
+                          const Eigen::Matrix3d& board) {
   const std::array<int, 3> inner{0, 1, 5}, outer{2, 3, 4};
   const Eigen::Matrix3d inverse = Eigen::Matrix3d(sum.information(inner, inner)).inverse();
   const Eigen::Matrix3d G = inverse * Eigen::Matrix3d(sum.information(inner, outer));
+  const Eigen::Matrix<double, 3, 2> shift =
+      inverse * Eigen::Matrix<double, 3, 2>(sum.by_reflector(inner, Eigen::all));
   Matrix6d covariance;
-  covariance(inner, inner) = sum.square / (2.0 * sum.n - 3.0) * inverse + G * board * G.transpose();
+  covariance(inner, inner) = sum.square / (2.0 * sum.n - 3.0) * inverse +
+                             reflector_variance * shift * shift.transpose() +
+                             G * board * G.transpose();
   covariance(inner, outer) = -G * board;
   covariance(outer, inner) = (-G * board).transpose();
   covariance(outer, outer) = board;
@@ -293,10 +312,9 @@ Matrix6d board_covariance(const NormalEquations& sum, const Eigen::Matrix3d& boa
 WorkplaneFit fit_workplane_to_pairs(const CameraModel& camera,
                                     const std::vector<ToolSight>& sights) {
   SightSet set(camera, sights);
-  auto [fit, sum] = fit_in_rounds(set, start_from_pairs(set, camera), step_to_pairs);
+  auto [fit, sum, variance] = fit_in_rounds(set, start_from_pairs(set, camera), step_to_pairs);
   fit.absorbed = 6;
-  fit.covariance =
-      sum.square / (2.0 * sum.n - 6.0) * solve_symmetric(sum.information, Matrix6d::Identity());
+  fit.covariance = pairs_covariance(sum, variance);
   return fit;
 }
 
@@ -308,9 +326,9 @@ WorkplaneFit fit_workplane_to_board(const CameraModel& camera, const std::vector
   const Pose over_plane = pose_over_plane(mean_plane(planes));
   SightSet set(camera, sights);
   require_same_lengths(over_plane, start_from_pairs(set, camera));
-  auto [fit, sum] = fit_in_rounds(set, over_plane, step_in_plane);
+  auto [fit, sum, variance] = fit_in_rounds(set, over_plane, step_in_plane);
   fit.absorbed = 3;
-  fit.covariance = board_covariance(sum, scatter_of_planes(fit.X_WC, planes));
+  fit.covariance = board_covariance(sum, variance, scatter_of_planes(fit.X_WC, planes));
   return fit;
 }
 
