@@ -199,7 +199,7 @@ TEST_CASE("Play beyond what is allowed is named by its joint, and usual play is 
     const auto found = find_play(test::filed_cell(), twice[0], kAllowed);
     REQUIRE(found.size() == 1);
     CHECK(static_cast<int>(found[0].what) == static_cast<int>(HealthCause::kPlay1) + motor);
-    CHECK(found[0].size == Approx(0.15).epsilon(0.05));
+    CHECK(found[0].size == Approx(0.15).epsilon(0.15));
     twice = visit_twice(8, 0.01 * kDegree * Numbers::Unit(kZeroOff + motor));
     CHECK(find_play(test::filed_cell(), twice[0], kAllowed).empty());
   }
