@@ -7,7 +7,13 @@
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "support/rendered_lamp.h"
 
-// Not under AddressSanitizer, which has allocation functions of its own.
+// Not under AddressSanitizer, which has allocation functions of its own. GCC defines this by
+// itself.
+#ifdef __has_feature
+#if __has_feature(address_sanitizer)
+#define __SANITIZE_ADDRESS__
+#endif
+#endif
 #ifndef __SANITIZE_ADDRESS__
 
 // Counts what this test program allocates: operator new, and the pixels of cv::Mat, which come from

@@ -45,7 +45,7 @@ double worst_error_px(const CoarseView& view) {
 }  // namespace
 
 TEST_CASE("A homography is recovered from clean sights") {
-  CHECK(worst_error_px(fit_coarse_view(sights(8, 0.0)).value()) < kExactPx);
+  CHECK(worst_error_px(fit_coarse_view(sights(12, 0.0)).value()) < kExactPx);
 }
 
 TEST_CASE("Three sights give an affine map through them") {
