@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 #include <cctype>
 #include <csignal>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -220,6 +221,38 @@ TEST_CASE("A move beyond the limits of LinuxCNC's own INI is refused, and nothin
   CHECK(rests(drives));
   for (const DriveStatus& drive : drives.status()) CHECK(drive.position_certain);
   CHECK_NOTHROW(drives.set_targets({2000, 1500, -3000}));
+}
+
+/// Ends the one process that this thread has begun.
+void kill_child() {
+  std::ifstream children("/proc/thread-self/children");
+  pid_t child = 0;
+  REQUIRE(children >> child);
+  kill(child, SIGKILL);
+  siginfo_t ended;
+  REQUIRE(waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) == 0);
+}
+
+TEST_CASE("Nothing moves by LinuxCNC once the process that would brake it has ended") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  LinkedDrives drives = rsh.drives();
+  test::make_ready(drives);
+  SECTION("before a move") {
+    kill_child();
+    CHECK_THROWS_MATCHES(drives.set_targets({2000, 0, 0}), DriveError,
+                         Refused(Cause::kSystem, "has ended"));
+    CHECK(rsh.told("set mdi").empty());
+  }
+  SECTION("nor does a move go on") {
+    drives.set_targets({2000, 0, 0});
+    rsh.say("program_status", "RUNNING");
+    REQUIRE(drives.status()[0].moving);
+    kill_child();
+    CHECK_THAT(drives.status()[0].faults.front(), Catch::Contains("has ended"));
+    CHECK(test::eventually([&] { return !rsh.told("set abort").empty(); }));
+  }
+  CHECK_FALSE(drives.status()[0].position_certain);
 }
 
 /// A program that moves until it is suspended.

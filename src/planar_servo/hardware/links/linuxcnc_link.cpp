@@ -251,8 +251,9 @@ std::string stop_words(const LinuxcncHost& host) {
   return "set enable " + host.enable_password + "\r\nset abort\r\n";
 }
 
-void say(int socket, const std::string& words) {
-  (void)!::send(socket, words.data(), words.size(), MSG_NOSIGNAL);
+/// Returns whether somebody listens.
+bool say(int socket, const std::string& words) {
+  return ::send(socket, words.data(), words.size(), MSG_NOSIGNAL) >= 0;
 }
 
 /// What the process does; it calls nothing that another thread may have locked when it began.
@@ -282,6 +283,7 @@ DeadMansHandle::DeadMansHandle(const RshConnection& stopper, const std::string& 
                     Cause::kSystem);
   }
   if (process_ > 0) {
+    setpgid(process_, process_);  // whichever of the two is first
     close(ends[1]);
     line_ = ends[0];
     return;
@@ -299,9 +301,10 @@ DeadMansHandle::~DeadMansHandle() {
   waitpid(process_, nullptr, 0);
 }
 
-void DeadMansHandle::hold(bool moving) {
-  if (moving || moving_) say(line_, moving ? "m" : "r");
+bool DeadMansHandle::hold(bool moving) {
+  const bool is_held = (!moving && !moving_) || say(line_, moving ? "m" : "r");
   moving_ = moving;
+  return is_held;
 }
 
 LinuxcncLink::LinuxcncLink(const LinuxcncHost& host)
@@ -465,7 +468,7 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   }
   constexpr double kPerMinute = 60.0;
   const double speed_deg_s = length_deg / (time.duration_s - time.ramp_s);
-  handle_.hold(true);
+  hold(true);
   mover_.send(line + fmt::format(" F{:.3f}", kPerMinute * speed_deg_s));
   std::this_thread::sleep_for(kApart);
   awaits_mover_ = true;
@@ -474,6 +477,14 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   told_to_stop_.reset();
   stopping_since_.reset();
   rests_ = false;
+}
+
+void LinuxcncLink::hold(bool moving) {
+  if (handle_.hold(moving)) return;
+  stop();
+  throw WorkError({"the process that has LinuxCNC brake when this program dies has ended",
+                   "connect again; if it ends again, the system's log may say why", "",
+                   Cause::kSystem});
 }
 
 void LinuxcncLink::stop() {
@@ -558,7 +569,7 @@ MachineState LinuxcncLink::read() {
     state.moving = state.moving || state.homing;
     if (!state.moving) homing_joint_.reset();
   }
-  handle_.hold(state.moving);
+  hold(state.moving);
   // A line may get lost where another client asks at the same moment.
   if (state.moving && told_to_stop_ && now - *told_to_stop_ > kStopRepeat) stop();
   if (!state.moving) {

@@ -77,7 +77,8 @@ class DeadMansHandle {
   DeadMansHandle& operator=(const DeadMansHandle&) = delete;
 
   /// Is called every few milliseconds while the machine moves, or else it brakes after kPatience_s.
-  void hold(bool moving);
+  /// Returns false when the process has ended while it is needed.
+  bool hold(bool moving);
   static constexpr double kPatience_s{0.15};
 
  private:
@@ -116,6 +117,7 @@ class LinuxcncLink final : public MachineLink {
   void home(int joint);
   void home_in_place(int joint);
   void hear_mover(double patience_s);
+  void hold(bool moving);
   void check_control();
   void note_who_controls(const std::string& stranger);
   Pulses counts() const;
