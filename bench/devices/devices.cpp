@@ -49,7 +49,7 @@ class Server {
       ServeRequest request;
       request.cell = cell;
       request.address = kAddress;
-      request.grbl_port = std::filesystem::temp_directory_path() / "bench-grbl";
+      request.motor_port = std::filesystem::temp_directory_path() / "bench-grbl";
       const ServedCell served(request);
       for (;;) pause();
     }

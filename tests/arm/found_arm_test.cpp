@@ -121,7 +121,7 @@ TEST_CASE("An arm's derivatives by every term agree with finite differences") {
   for (const double sense : {1.0, -1.0}) {
     arm.form.sense = sense;
     for (int i = 0; i < 20; ++i) {
-      const Eigen::Vector3d motors(angle(random), angle(random), angle(random));
+      const Eigen::Vector3d motors{angle(random), angle(random), angle(random)};
       const auto at = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
         const TipPose tip = arm.form.tip(motors, x);
         return Eigen::Vector3d(tip.p.x(), tip.p.y(), tip.phi);

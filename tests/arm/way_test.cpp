@@ -63,8 +63,8 @@ TEST_CASE("A way is refused just where the virtual drives would cross a border, 
     const Transmission transmission = transmission_with(coupling);
     const JointPlanner planner(PlanarArm(kGeometry), transmission, workspace, Elbow::kLeft);
     for (int i = 0; i < 300; ++i) {
-      const Joints from(angle(random), angle(random), angle(random));
-      const Joints to = from + 0.5 * Joints(angle(random), angle(random), angle(random));
+      const Joints from{angle(random), angle(random), angle(random)};
+      const Joints to = from + 0.5 * Joints{angle(random), angle(random), angle(random)};
       const double depth = sampled_depth_m(transmission, workspace, from, to);
       const auto refusal = planner.way_refusal(from, to);
       CAPTURE(depth, refusal.value_or("no refusal"));

@@ -36,7 +36,7 @@ std::vector<TimedError> healthy_errors(unsigned seed, Visit visit,
     const Eigen::Vector2d p = place_of(visit, i, random);
     const Eigen::Vector2d field(std::sin(9.0 * p.x() + 4.0 * p.y() + a) + 4.0 * p.squaredNorm(),
                                 std::sin(8.0 * p.y() + b) + 0.5 * std::sin(14.0 * p.x() + c));
-    errors.push_back({p, 0.15 * kMillimetre * field + Eigen::Vector2d(noise(random), noise(random)),
+    errors.push_back({p, 0.15 * kMillimetre * field + Eigen::Vector2d{noise(random), noise(random)},
                       pointing == Pointing::kAnyWay ? phase(random) : 0.0});
   }
   return errors;

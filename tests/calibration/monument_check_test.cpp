@@ -46,7 +46,7 @@ class MonumentBench {
       Eigen::Vector3d p_B = monument.p_B;
       if (monument.id == known_.back().id) p_B += moved_;
       for (int k = 0; k < kRepeats; ++k) {
-        const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
+        const Eigen::Vector3d noise{normal(random), normal(random), normal(random)};
         readings.push_back({monument.id, standing_tracker().inverse() * p_B + noise, kSigma});
       }
     }

@@ -21,7 +21,7 @@ std::vector<SweepPoint> sweeps(double noise, double range) {
   for (int i = 0; i < 20; ++i) {
     const int sweep = i % 2;
     const double phi = range * i / 20.0;
-    const Eigen::Vector2d error(normal(random), normal(random));
+    const Eigen::Vector2d error{normal(random), normal(random)};
     points.push_back({sweep, phi, axes[sweep] + rotation2d(phi) * kOffset_ref + error});
   }
   return points;

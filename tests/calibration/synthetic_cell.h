@@ -49,12 +49,12 @@ struct SyntheticCell {
     result.plan = Purpose::kTrain;
     for (std::size_t k = 0; k < 2; ++k) {
       const double along = (k == 0 ? -0.5 : 0.5) * separation;
-      const Eigen::Vector2d noise(normal(random), normal(random));
+      const Eigen::Vector2d noise{normal(random), normal(random)};
       result.lamps_px[k] =
           workplane().pixel_from_plane(middle + along * R.col(0)).value() + noise_px * noise;
       result.covariances_px2[k] = noise_px * noise_px * Eigen::Matrix2d::Identity();
     }
-    const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
+    const Eigen::Vector3d noise{normal(random), normal(random), normal(random)};
     result.p_reflector_B << p + R * tool_ref.p_TS.head<2>(), tool_ref.p_TS.z();
     result.p_reflector_B += noise_tracker * noise;
     result.sigma_tracker = noise_tracker;
@@ -67,7 +67,7 @@ struct SyntheticCell {
     std::uniform_real_distribution<double> place(-0.42, 0.42);
     std::vector<ToolSight> sights;
     for (int i = 0; i < places; ++i) {
-      const Eigen::Vector2d p(place(random), place(random));
+      const Eigen::Vector2d p{place(random), place(random)};
       sights.push_back(sight("p" + std::to_string(i), p, 0.0, random));
     }
     for (int i = 0; i < swept; ++i) {

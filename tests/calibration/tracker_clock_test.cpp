@@ -25,7 +25,7 @@ class ClockBench {
     Eigen::Vector2d last(0.3, 0.0);
     double t_s = 1000.0;
     for (int i = 0; i < places; ++i) {
-      const Eigen::Vector2d p(place(random_), place(random_));
+      const Eigen::Vector2d p{place(random_), place(random_)};
       const ToolSight sight = cell_.sight("t" + std::to_string(i), p, 0.3, random_);
       const double arrival_s = t_s + 1.0 + (p - last).norm() / 0.1;
       for (int k = 0; k < 3; ++k) {

@@ -34,7 +34,7 @@ std::vector<MonumentReading> readings_of(const std::vector<Monument>& monuments,
   std::vector<MonumentReading> readings;
   for (int k = 0; k < repeats; ++k) {
     for (const Monument& monument : monuments) {
-      const Eigen::Vector3d error(normal(random), normal(random), normal(random));
+      const Eigen::Vector3d error{normal(random), normal(random), normal(random)};
       readings.push_back({monument.id, tracker_pose().inverse() * monument.p_B + error});
     }
   }

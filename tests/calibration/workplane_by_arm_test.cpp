@@ -33,7 +33,7 @@ std::vector<SentSight> sent_anywhere(const SyntheticCell& cell, double most_turn
   std::uniform_real_distribution<double> place(-0.4, 0.4), turn(-most_turn, most_turn);
   std::vector<SentSight> sent;
   for (int i = 0; i < 60; ++i) {
-    const Eigen::Vector2d p(place(random), place(random));
+    const Eigen::Vector2d p{place(random), place(random)};
     sent.push_back({cell.sight("p" + std::to_string(i), p, turn(random), random), p});
   }
   return sent;

@@ -28,10 +28,10 @@ std::vector<ErrorSample> readings_at_places(int places, double place_sigma, std:
   std::uniform_real_distribution<double> aside(-0.5 * kPlaceWidth, 0.5 * kPlaceWidth);
   std::vector<ErrorSample> samples;
   for (const Eigen::Vector2d& place : test::random_positions(places, seed)) {
-    const Eigen::Vector2d shared = place_sigma * Eigen::Vector2d(normal(random), normal(random));
+    const Eigen::Vector2d shared = place_sigma * Eigen::Vector2d{normal(random), normal(random)};
     for (std::size_t i = 0; i < kPerPlace; ++i) {
-      const Eigen::Vector2d p = place + Eigen::Vector2d(aside(random), aside(random));
-      const Eigen::Vector2d own = kReadingSigma * Eigen::Vector2d(normal(random), normal(random));
+      const Eigen::Vector2d p = place + Eigen::Vector2d{aside(random), aside(random)};
+      const Eigen::Vector2d own = kReadingSigma * Eigen::Vector2d{normal(random), normal(random)};
       samples.push_back(
           {std::to_string(samples.size()), p, test::lens_field(p) + shared + own, 0.0, {}, {}});
     }

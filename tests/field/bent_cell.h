@@ -64,7 +64,7 @@ struct BentCell {
   PoseSample sample(const Eigen::Vector3d& motors, bool attended, std::mt19937& random) const {
     std::normal_distribution<double> noise;
     const auto noise_of = [&](double sigma) -> Eigen::Vector2d {
-      return sigma * Eigen::Vector2d(noise(random), noise(random));
+      return sigma * Eigen::Vector2d{noise(random), noise(random)};
     };
     Truth at = truth(motors);
     if (scatter > 0.0) at.tip += noise_of(scatter);
@@ -103,7 +103,7 @@ struct BentCell {
     print << 1.0 - 0.5 * aspect, 0.5 * aspect, 0.5 * aspect, 1.0 + 0.5 * aspect;
     for (int k = 0; k < count; ++k) {
       const Eigen::Matrix2d R = rotation2d(turn(random));
-      const Eigen::Vector2d shift(place(random), place(random));
+      const Eigen::Vector2d shift{place(random), place(random)};
       BoardLay lay{"lay" + std::to_string(k), Eigen::Matrix2Xd(2, 81), Eigen::Matrix2Xd(2, 81),
                    Eigen::VectorXd::Constant(81, noise_dot)};
       for (int i = 0; i < 81; ++i) {
@@ -112,7 +112,7 @@ struct BentCell {
             shift + R * print * (lay.p_board.col(i) - Eigen::Vector2d(0.16, 0.16));
         Eigen::Vector2d s = dot;
         for (int step = 0; step < 20; ++step) s = dot + field(s);
-        lay.seen_B.col(i) = s + Eigen::Vector2d(noise(random), noise(random));
+        lay.seen_B.col(i) = s + Eigen::Vector2d{noise(random), noise(random)};
       }
       board.lays.push_back(std::move(lay));
     }
@@ -124,7 +124,7 @@ struct BentCell {
     std::normal_distribution<double> noise(0.0, noise_dot);
     Eigen::Vector2d s = place;
     for (int step = 0; step < 20; ++step) s = place + field(s);
-    return s + Eigen::Vector2d(noise(random), noise(random));
+    return s + Eigen::Vector2d{noise(random), noise(random)};
   }
 
   /// Adds a bar of half a metre in eight places; its true length is off by `error`.

@@ -45,7 +45,7 @@ TEST_CASE("Air that moves pictures of both lamps is in what is stated of places 
   std::normal_distribution<double> air(0.0, estimate.priors.air_sigma);
   auto samples = cell.samples(120, 0, random);
   for (PoseSample& sample : samples) {
-    const Eigen::Vector2d moved(air(random), air(random));
+    const Eigen::Vector2d moved{air(random), air(random)};
     for (Eigen::Vector2d& lamp : sample.lamps_B) lamp += moved;
   }
   estimate.fit = fit_jointly(estimate.model(), estimate.priors, samples, 0.6).value();
@@ -60,7 +60,7 @@ TEST_CASE("Readings of one place leave together") {
   std::vector<PoseSample> samples;
   for (int place = 0; place < 25; ++place) {
     const Eigen::Vector3d motors = test::BentCell::random_motors(random);
-    const Eigen::Vector2d shift(of_place(random), of_place(random));
+    const Eigen::Vector2d shift{of_place(random), of_place(random)};
     for (int i = 0; i < 4; ++i) {
       samples.push_back(cell.sample(motors, true, random));
       *samples.back().reflector_B += shift;

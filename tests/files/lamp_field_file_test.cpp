@@ -27,7 +27,7 @@ TEST_CASE("A field at the lamps read from its file compensates the same, bit for
   std::mt19937 random(42);
   std::uniform_real_distribution<double> place(-0.6, 0.6);
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector2d first(place(random), place(random)), second(place(random), place(random));
+    const Eigen::Vector2d first{place(random), place(random)}, second{place(random), place(random)};
     const CompensatedTip wanted = compensate(fit.field, {first, second});
     const CompensatedTip found = compensate(back, {first, second});
     CHECK(found.tip.p == wanted.tip.p);

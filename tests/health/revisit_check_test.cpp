@@ -136,7 +136,7 @@ TEST_CASE("A base that moves is no finding where that is known, all places of a 
     const auto move = [&](LampPlaces& lamps_B, const Eigen::Vector2d& by_m) {
       for (Eigen::Vector2d& lamp : lamps_B) lamp += by_m;
     };
-    const Eigen::Vector2d now_m(base(random), base(random));
+    const Eigen::Vector2d now_m{base(random), base(random)};
     for (Revisit& revisit : revisits) {
       revisit.wander_m = kWander_m;
       move(revisit.then_B, {base(random), base(random)});

@@ -93,7 +93,7 @@ TEST_CASE("LampDetector ignores hot pixels and streaks, reports a third light as
   cv::Mat frame = noisy_frame({1024, 768}, {a, b, third}, random);
   std::uniform_int_distribution<int> u(0, 1023), v(0, 767);
   for (int i = 0; i < 400; ++i) {
-    const cv::Point hot(u(random), v(random));
+    const cv::Point hot{u(random), v(random)};
     const bool on_lamp = cv::norm(hot - cv::Point(300, 300)) < 40 ||
                          cv::norm(hot - cv::Point(500, 340)) < 40 ||
                          cv::norm(hot - cv::Point(800, 600)) < 40;

@@ -18,7 +18,7 @@ std::vector<Eigen::Vector2d> turned(const Eigen::Vector2d& axis, double arc, dou
   for (int i = 0; i < 24; ++i) {
     const double angle = arc * i / 24.0 + 2e-4 * normal(random);  // a reducer errs along the circle
     const Eigen::Vector2d on(std::cos(angle), std::sin(angle));
-    points.emplace_back(axis + 0.42 * on + noise * Eigen::Vector2d(normal(random), normal(random)));
+    points.emplace_back(axis + 0.42 * on + noise * Eigen::Vector2d{normal(random), normal(random)});
   }
   return points;
 }

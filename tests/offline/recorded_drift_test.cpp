@@ -23,7 +23,7 @@ std::vector<SeenPlace> rounds(int count, const Eigen::Vector2d& drift) {
     look.t_s = 1.5 * i;
     for (std::size_t k = 0; k < 2; ++k)
       look.place.lamps_B[k] = Eigen::Vector2d(0.01 * (i % 20), 0.04 * static_cast<double>(k)) +
-                              look.t_s * drift + Eigen::Vector2d(noise(random), noise(random));
+                              look.t_s * drift + Eigen::Vector2d{noise(random), noise(random)};
     seen.push_back(look);
   }
   return seen;

@@ -246,7 +246,7 @@ TEST_CASE("A reflector loose on the tool is named, and its readings believed as 
   std::mt19937 random(5);
   std::normal_distribution<double> loose(0.0, 0.1 * kMillimetre);
   for (TrackerRow* row : bench.tool_readings())
-    row->p_L.head<2>() += Eigen::Vector2d(loose(random), loose(random));
+    row->p_L.head<2>() += Eigen::Vector2d{loose(random), loose(random)};
   CHECK_THAT(bench.refusal(),
              Contains("doubt: pairs: the readings of the training places scatter") &&
                  Contains("loose on the tool") && !Contains("at rest"));

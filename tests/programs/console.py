@@ -221,7 +221,7 @@ def try_path(console):
     check(state["seen_mm"] and state["job"]["all"] == 146 and state["job"]["left_s"] > 0, state)
     console.rests()
     job, rows = console.state()["job"], console.ask("GET", "/api/results")[1]
-    check(job["ok"] and job["ended"].count("reached") == 2, job)
+    check(job["ok"] and job["cause"] is None and job["ended"].count("reached") == 2, job)
     check([(row["guided_by"], row["status"]) for row in rows] == [("arm", "reached"), ("vision", "reached")], rows)
     check(rows[1]["deviation_mean_mm_truth"] < rows[0]["deviation_mean_mm_truth"], "vision does not help")
     check("path/report.html" in [page["name"] for page in console.ask("GET", "/api/reports")[1]], "no page of it")
@@ -248,7 +248,8 @@ def try_experiment(console):
     check(console.post("/api/stop", client=OTHER, token=console.read)[0] == 200, "no stop")
     console.rests()
     state = console.state()
-    check((state["job"]["kind"], state["job"]["ended"]) == ("experiment", "experiment was stopped"), state["job"])
+    job = state["job"]
+    check((job["kind"], job["ended"], job["cause"]) == ("experiment", "experiment was stopped", "stopped"), job)
     check(state["opened"] == opened, "the cell was opened anew")
 
 

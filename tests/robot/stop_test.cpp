@@ -53,7 +53,7 @@ TEST_CASE("A stop never carries a motor beyond its target or back behind its sta
     PlanarRobot robot(PlanarArm({{0.3, 0.25}, Rotation::kClockwise}), Transmission(settings), group,
                       clock);
     robot.energize();
-    const Joints end(angle(random), angle(random), angle(random));
+    const Joints end{angle(random), angle(random), angle(random)};
     const Pulses target = robot.transmission().pulses_from_joints(end);
     const auto within = [&] {
       for (int j = 0; j < 3; ++j) {

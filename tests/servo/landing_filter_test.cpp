@@ -46,7 +46,7 @@ TEST_CASE("A landing's stated deviation is that of its errors, with errors that 
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   const auto draw = [&](double deviation) {
-    return Eigen::Vector2d(deviation * normal(random), deviation * normal(random));
+    return Eigen::Vector2d{deviation * normal(random), deviation * normal(random)};
   };
   const double d_m = 20e-6, v_m = 15e-6, correlation = -0.6, s = 8e-6, n = 3e-6;
   double squares = 0.0, stated = 0.0;

@@ -53,8 +53,8 @@ TEST_CASE("The end point's and the direction's uncertainty are those of shaken l
   double scatter_phi = 0.0;
   for (int i = 0; i < kRuns; ++i) {
     auto shaken = *lamps;
-    shaken[0] += root_first * Eigen::Vector2d(normal(random), normal(random));
-    shaken[1] += root_second * Eigen::Vector2d(normal(random), normal(random));
+    shaken[0] += root_first * Eigen::Vector2d{normal(random), normal(random)};
+    shaken[1] += root_second * Eigen::Vector2d{normal(random), normal(random)};
     const auto run = tip_from_lamps(cell.workplane(), tool, {0.0, 1, shaken});
     const Eigen::Vector2d e = run->tip.p - seen->tip.p;
     scatter += e * e.transpose() / kRuns;
@@ -72,7 +72,7 @@ TEST_CASE("Frames of one rest lessen their noise, not the shift that they share"
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
   const auto shaken = [&](double sigma) {
-    return Eigen::Vector2d(sigma * normal(random), sigma * normal(random));
+    return Eigen::Vector2d{sigma * normal(random), sigma * normal(random)};
   };
   const Eigen::Matrix2d noise = kNoise_px * kNoise_px * Eigen::Matrix2d::Identity();
   const Eigen::Matrix2d common = kShift_px * kShift_px * Eigen::Matrix2d::Identity();

@@ -42,6 +42,12 @@ std::vector<TargetRow> targets_in(const std::string& csv, const std::string& whe
   return targets;
 }
 
+std::optional<Cause> cause_of(const std::exception& error) {
+  if (const auto* work = dynamic_cast<const WorkError*>(&error)) return work->refusal().cause;
+  if (const auto* input = dynamic_cast<const InputError*>(&error)) return input->refusal().cause;
+  return std::nullopt;
+}
+
 }  // namespace
 
 CellJobs::CellJobs(const KnownCell& cell, StateBoard& board, CellWorker& worker)
@@ -193,9 +199,10 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
         } catch (const std::exception& error) {
           if (!is_begun)
             return [begun, fault = std::current_exception()] { begun->set_exception(fault); };
-          const bool stopped = dynamic_cast<const StopRequested*>(&error) != nullptr;
+          const std::optional<Cause> cause = cause_of(error);
+          const bool stopped = cause == Cause::kStopped;
           if (!stopped) hold(error.what());
-          const Ending ending{error.what(), false, stopped ? "warning" : "error"};
+          const Ending ending{error.what(), false, stopped ? "warning" : "error", cause};
           return [=] { end(ending); };
         }
       });
@@ -241,6 +248,7 @@ void CellJobs::end(const Ending& ending) {
   board_.change([&](CellState& state) {
     state.job->ended = ending.words;
     state.job->ok = ending.ok;
+    state.job->cause = ending.cause;
     state.job->left_s.reset();
   });
   board_.tell_line(ending.level, ending.words);

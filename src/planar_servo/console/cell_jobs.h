@@ -60,6 +60,7 @@ class CellJobs {
     std::string words;
     bool ok{false};
     const char* level{ok ? "info" : "error"};  ///< of the line that tells it
+    std::optional<Cause> cause{};              ///< of the refusal that ended it
   };
   /// Says of how many places the job has done how many when it begins.
   using Begun = std::function<void(std::size_t done, std::size_t all)>;

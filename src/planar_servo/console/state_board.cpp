@@ -69,7 +69,8 @@ ordered_json job_json(const JobState& job) {
           {"all", job.all},
           {"left_s", job.left_s ? json_number(*job.left_s) : ordered_json(nullptr)},
           {"ended", or_null(job.ended)},
-          {"ok", job.ended.empty() ? ordered_json(nullptr) : ordered_json(job.ok)}};
+          {"ok", job.ended.empty() ? ordered_json(nullptr) : ordered_json(job.ok)},
+          {"cause", job.cause ? ordered_json(to_text(*job.cause)) : ordered_json(nullptr)}};
 }
 
 ordered_json point_json(const Eigen::Vector2d& p) {

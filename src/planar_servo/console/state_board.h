@@ -94,6 +94,7 @@ struct JobState {
   std::optional<double> left_s{};
   std::string ended{};  ///< how it ended, in words; empty while it runs
   bool ok{false};       ///< valid once it has ended
+  std::optional<Cause> cause{};  ///< of a refusal that ended it
 };
 
 /// What a person at the page is asked.

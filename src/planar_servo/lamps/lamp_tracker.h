@@ -26,8 +26,8 @@ struct PairChoice {
 
 /// Chooses the two lamps among candidates that are given by falling evidence. Of the pairs with the
 /// right distance and sizes it takes the one nearest to the prediction. Which lamp is which follows
-/// from the predicted direction, unless the pair lies across it, and from sizes and contrasts where
-/// the lamps differ. The pair stays kAmbiguous when these contradict each other or are
+/// from the predicted direction, unless the pair lies across it, and from sizes where the lamps
+/// differ. The pair stays kAmbiguous when these contradict each other or are
 /// inconclusive.
 PairChoice choose_pair(const std::vector<Blob>& candidates, const PairExpectation& expectation);
 

@@ -205,15 +205,16 @@ bool is_among(const std::vector<MarkCandidate>& candidates, const MarkCandidate&
 /// Finds what looks like one of the drawing's marks, everywhere in a picture.
 std::vector<MarkCandidate> candidates_in(const Picture& picture, const VisionCalibration& vision,
                                          const std::vector<Fiducial>& drawing) {
-  std::set<MarkForm> forms;
-  for (const Fiducial& mark : drawing) forms.emplace(mark.kind, mark.size, mark.z);
+  std::map<MarkForm, Fiducial> forms;
+  for (const Fiducial& mark : drawing) forms.try_emplace(MarkForm{mark.kind, mark.size, mark.z}, mark);
   std::vector<MarkCandidate> candidates;
-  for (const auto& [kind, size, z] : forms) {
+  for (const auto& [form, mark] : forms) {
+    const auto& [kind, size, z] = form;
     const Workplane plane = plane_at(vision.workplane, z);
     const Eigen::Vector2d middle_px(0.5 * picture.image.cols, 0.5 * picture.image.rows);
     const auto middle = plane.plane_from_pixel(middle_px);
     const double scale = middle ? px_per_m(plane, *middle) : 0.0;
-    if (scale == 0.0) refuse_outside(drawing.front());
+    if (scale == 0.0) refuse_outside(mark);
     for (const FiducialSight& sight : find_fiducials(picture.image, kind, size * scale)) {
       const auto p_B = plane.plane_from_pixel(picture.motion.then(sight.uv_px));
       if (!p_B) continue;

@@ -200,8 +200,11 @@ void write_file(const fs::path& path, std::string_view text) {
   if (in_place) return;
   fs::rename(temporary, path, error);
   if (!error && sync_folder(folder_of(path))) return;
-  const std::string reason =
-      (error ? error : std::error_code(errno, std::generic_category())).message();
+  if (!error)
+    throw WorkError({fmt::format("is written, but the disk does not confirm it: {}",
+                                 std::generic_category().message(errno)),
+                     "check the disk before you rely on the file", path, Cause::kSystem});
+  const std::string reason = error.message();
   fs::remove(temporary, error);
   throw WorkError({"cannot be put in place: " + reason, "", path, Cause::kSystem});
 }

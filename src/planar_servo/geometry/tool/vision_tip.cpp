@@ -17,14 +17,12 @@ using Rows = std::vector<CoarseViewRow>;
 
 // With as many rows wrong ones can be told from right ones.
 constexpr std::size_t kRobustRows = 6;
-// Even with a third of the rows wrong, one of as many triples is almost surely free of them.
-constexpr int kTriples = 200;
+// Even with a third of the rows wrong, one of as many quadruples is almost surely free of them.
+constexpr int kQuadruples = 200;
 constexpr int kRobustRounds = 3;
 constexpr double kRowSigmas = 4.0;
-// The lens, which a homography does not model, makes no row an outlier; nor does perspective, which
-// an affine map does not model.
+// The lens, which a homography does not model, makes no row an outlier.
 constexpr double kLeastOutlierPx = 3.0;
-constexpr double kPerspectiveShare = 0.1;  // of the field
 // Points whose width over length is below this count as collinear.
 constexpr double kLeastWidth = 1e-3;
 // A homography whose singular values have a smaller ratio is not determined.
@@ -107,54 +105,45 @@ std::vector<double> residuals_px(const Eigen::Matrix3d& H_IB, const Rows& rows) 
   return residuals;
 }
 
-/// Returns the affine map through three rows with the least median residual [Rousseeuw 1984].
-std::optional<Eigen::Matrix3d> fit_least_median(const Rows& rows) {
+/// Returns the homography through four rows with the least quantile of residuals, that of the rows
+/// that must be right [Rousseeuw 1984].
+std::optional<Eigen::Matrix3d> fit_least_quantile(const Rows& rows) {
+  constexpr std::size_t kThrough = 4;
+  const std::size_t right = std::max(rows.size() - rows.size() / 3, kThrough + 1);
   std::optional<Eigen::Matrix3d> best;
-  double best_median = std::numeric_limits<double>::max();
+  double least = std::numeric_limits<double>::max();
   std::mt19937 random(1);
-  for (int k = 0; k < kTriples; ++k) {
-    Rows triple;
-    std::sample(rows.begin(), rows.end(), std::back_inserter(triple), 3, random);
-    const std::optional<Eigen::Matrix3d> H = fit_affine(triple);
+  for (int k = 0; k < kQuadruples; ++k) {
+    Rows few;
+    std::sample(rows.begin(), rows.end(), std::back_inserter(few), kThrough, random);
+    const std::optional<Eigen::Matrix3d> H = fit_homography(few);
     if (!H) continue;
-    const double middle = median(residuals_px(*H, rows));
-    if (middle < best_median) {
-      best_median = middle;
+    std::vector<double> residuals = residuals_px(*H, rows);
+    const auto last = residuals.begin() + static_cast<std::ptrdiff_t>(right - 1);
+    std::nth_element(residuals.begin(), last, residuals.end());
+    if (*last < least) {
+      least = *last;
       best = H;
     }
   }
   return best;
 }
 
-/// Returns the rows whose residual is within kRowSigmas, judged by the median residual, or
-/// within `least_px`.
-Rows inliers(const Eigen::Matrix3d& H_IB, const Rows& rows, double least_px) {
+/// Returns the rows whose residual is within kRowSigmas, judged by the median residual.
+Rows inliers(const Eigen::Matrix3d& H_IB, const Rows& rows) {
   constexpr double kSigmaPerMedian = 1.0 / 1.1774;  // of the length of a normal 2-vector
   const std::vector<double> residuals = residuals_px(H_IB, rows);
-  const double limit = std::max(least_px, kRowSigmas * kSigmaPerMedian * median(residuals));
+  const double limit = std::max(kLeastOutlierPx, kRowSigmas * kSigmaPerMedian * median(residuals));
   Rows kept;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (residuals[i] <= limit) kept.push_back(rows[i]);
   return kept;
 }
 
-/// Returns the size of the seen part of the image: the median distance from the median pixel.
-double field_px(const Rows& rows) {
-  std::vector<double> u, v, distances;
-  for (const CoarseViewRow& row : rows) {
-    u.push_back(row.uv_px.x());
-    v.push_back(row.uv_px.y());
-  }
-  const Eigen::Vector2d middle(median(u), median(v));
-  for (const CoarseViewRow& row : rows) distances.push_back((row.uv_px - middle).norm());
-  return median(distances);
-}
-
 std::optional<Eigen::Matrix3d> fit_robust(const Rows& rows) {
-  std::optional<Eigen::Matrix3d> H = fit_least_median(rows);
-  if (H) H = fit_best(inliers(*H, rows, kPerspectiveShare * field_px(rows)));
-  for (int round = 0; round < kRobustRounds && H; ++round)
-    H = fit_best(inliers(*H, rows, kLeastOutlierPx));
+  std::optional<Eigen::Matrix3d> H = fit_least_quantile(rows);
+  if (!H) return fit_affine(rows);
+  for (int round = 0; round < kRobustRounds && H; ++round) H = fit_best(inliers(*H, rows));
   return H;
 }
 

@@ -54,7 +54,7 @@ double camera_height(const VisionCalibration& vision) {
 
 SeenTip see_tip(const std::vector<Frame>& frames, const std::vector<TipAtMark>& poses,
                 const VisionCalibration& vision, const Fiducial& form) {
-  if (frames.size() != poses.size())
+  if (frames.empty() || frames.size() != poses.size())
     throw InputError(
         {fmt::format("there are {} pictures for {} poses", frames.size(), poses.size()),
          "give one picture of each pose, in the order of the table"});
