@@ -56,6 +56,14 @@ TEST_CASE("A board is opened, switched on and homed before it is trusted") {
   CHECK(bench.board.shafts() == EmulatedGrbl::Pulses(0, 0, 0));
 }
 
+TEST_CASE("A board whose position was forgotten at rest is uncertain until it is told again") {
+  ReadyBench bench;
+  bench.drives.forget_positions();
+  for (const DriveStatus& status : bench.drives.status()) CHECK_FALSE(status.position_certain);
+  bench.drives.set_position(1, 0);
+  CHECK(bench.drives.status()[1].position_certain);
+}
+
 TEST_CASE("Each joint moves its own axis, counted from where it was said to stand") {
   ReadyBench bench;
   bench.drives.set_position(1, 1000);

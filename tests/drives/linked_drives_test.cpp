@@ -146,6 +146,25 @@ TEST_CASE(
   CHECK_THAT(drives.status()[0].faults.front(), Contains("emergency stop"));
   drives.energize();
   CHECK_FALSE(drives.status()[0].stopped_by_hand);
+  script.state.emergency = false;
+  script.state.on = false;
+  script.state.faults = {"alarm 7, which may be the emergency stop"};
+  CHECK(drives.status()[0].stopped_by_hand);
+  script.state.faults.clear();
+  drives.energize();
+  script.is_gone = true;
+  CHECK_FALSE(drives.status()[0].answers);
+  script.is_gone = false;
+  SECTION("as where its power was cut") {
+    script.state.on = false;
+    drives.reconnect();
+    CHECK(drives.status()[0].stopped_by_hand);
+    CHECK_THAT(drives.status()[0].faults.front(), Contains("its power was cut"));
+  }
+  SECTION("and not where only the link was lost") {
+    drives.reconnect();
+    CHECK_FALSE(drives.status()[0].stopped_by_hand);
+  }
 }
 
 TEST_CASE("A move that a machine refuses costs no position") {

@@ -2,12 +2,12 @@
 
 modbus_drivers.py EXAMPLES PORT [--make leadshine|oriental] [--low-first] [--at COUNT,COUNT,COUNT] [--addresses A,B,C]
                   [--lose N] [--garble N] [--late N] [--stranger N] [--mute-moving A] [--alarm-moving A]
-                  [--stall-moving A] [--end-moving] [--hang-moving] [--after S] [--deaf-to-start] [--deaf-to-home]
+                  [--stall-moving A] [--restart-moving A] [--end-moving] [--hang-moving] [--after S] [--deaf-to-start] [--deaf-to-home]
                   [--single] [--shafts PIPE]
 
 It says "ready" once PORT is there. Of answers each N-th is lost, garbled, 0.15 s late, or another slave's. S seconds
-(0.1) into its first move a driver of address A says nothing more, stops with an alarm, or stops and says nothing of it,
-or the adapter is gone or says nothing for 2 s. With --single they take single registers by function 0x06 alone. PIPE
+(0.1) into its first move a driver of address A says nothing more, stops with an alarm, stops and says nothing of it, or
+starts anew, off and counting from 0, or the adapter is gone or says nothing for 2 s. With --single they take single registers by function 0x06 alone. PIPE
 gets a line of counts whenever a motor has turned.
 """
 import argparse
@@ -47,9 +47,9 @@ class Driver:
 
     def status(self):
         moving = self.machine.moves()
-        if self.make == "leadshine":
-            return [(self.alarm != 0) | self.machine.on << 1 | moving << 2]
         homed = self.searches and not moving and self.position() == 0
+        if self.make == "leadshine":
+            return [(self.alarm != 0) | self.machine.on << 1 | moving << 2 | homed << 6]
         return self.longs(homed << 4 | (self.alarm != 0) << 7 | moving << 13)
 
     def live(self):
@@ -79,6 +79,7 @@ class Driver:
                 position, rpm, ms = self.long_at(0x6201), self.words[0x6203], self.words[0x6204]
                 self.armed = position, rpm * 10000 / 60, 10000 * 1e6 / 60 / max(1, ms)
             elif address == 0x6002 and values[0] == 0x10:
+                self.searches = False
                 self.start()
             elif address == 0x6002 and values[0] == 0x40:
                 self.machine.stop()
@@ -143,6 +144,9 @@ class Line:
             if address == options.stall_moving:
                 options.stall_moving = None
                 driver.machine.stop()
+            if address == options.restart_moving:
+                options.restart_moving = None
+                driver.machine = Machine()
             if options.end_moving:
                 sys.exit()
             if options.hang_moving:
@@ -208,7 +212,7 @@ parser.add_argument("port")
 parser.add_argument("--make", default="leadshine")
 parser.add_argument("--at", type=numbers, default=[0, 0, 0])
 parser.add_argument("--addresses", type=numbers, default=[1, 2, 3])
-for name in ("lose", "garble", "late", "stranger", "mute-moving", "alarm-moving", "stall-moving"):
+for name in ("lose", "garble", "late", "stranger", "mute-moving", "alarm-moving", "stall-moving", "restart-moving"):
     parser.add_argument(f"--{name}", type=int)
 for name in ("low-first", "deaf-to-start", "deaf-to-home", "end-moving", "hang-moving", "single"):
     parser.add_argument(f"--{name}", action="store_true")

@@ -114,6 +114,13 @@ TEST_CASE("What a drive counts from nowhere is no joint angle, until it is taugh
   CHECK(bench.robot.known_pulses() == bench.robot.commanded_pulses());
 }
 
+TEST_CASE("A position that was forgotten is no other user's of these drives either") {
+  ReadyBench bench;
+  bench.robot.move_to(kSomewhere);
+  bench.robot.forget_position();
+  for (const test::MockPulseDrive& drive : bench.drives) CHECK_FALSE(drive.knows_position);
+}
+
 TEST_CASE("A drive that fails on its way halts all and is named") {
   ReadyBench bench;
   bench.drives[1].fault_on_the_way = "driver error";

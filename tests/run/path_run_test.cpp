@@ -5,11 +5,14 @@
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "run/hiccup_cell.h"
+#include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
+
+using test::Refused;
 
 /// Returns the direction into which the end point goes when every motor turns up a little.
 Eigen::Vector2d upwards(const CellSettings& cell, const TipPose& from) {
@@ -55,6 +58,31 @@ TEST_CASE("A path does not begin beside its beginning when the look for play bre
   devices.clock().sleep_for_s(1.0);
   CHECK(run.follow(0.02, Guidance::kVision).status == ServoStatus::kReached);
   CHECK(run.looks().size() > 5);
+}
+
+TEST_CASE("Where a path ends by an error the arm slows down and keeps its position") {
+  const test::TemporaryFolder folder;
+  const CellSettings cell = read_cell(test::workshop_cell_file());
+  test::HiccupCell devices(cell);
+  ServoRequest request;
+  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
+  request.folder.path = folder / "run";
+  request.policy.checks_health = false;
+  const PathRequest path{
+      "path.csv",
+      Path({{{{0.26, 0.20}, cell.tool_orientation}}, {{{0.20, 0.20}, cell.tool_orientation}}}),
+      {Guidance::kVision},
+      {0.02}};
+  PathRun run(request, path, devices);
+  devices.hiccup.at_frame = [&] {
+    if (run.looks().size() > 5) throw WorkError("the disk is full", Cause::kSystem);
+  };
+  CHECK_THROWS_MATCHES(run.follow(0.02, Guidance::kVision), WorkError,
+                       Refused(Cause::kSystem, "disk"));
+  for (const DriveStatus& drive : devices.drives().status()) {
+    CHECK_FALSE(drive.moving);
+    CHECK(drive.position_certain);
+  }
 }
 
 }  // namespace

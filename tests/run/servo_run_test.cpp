@@ -56,6 +56,7 @@ class FlakyDrive final : public PulseDrive {
   }
   void start_homing(HomeDirection direction) override { drive_.start_homing(direction); }
   void set_position(std::int32_t position_pulses) override { drive_.set_position(position_pulses); }
+  void forget_position() override { drive_.forget_position(); }
 
  private:
   Clock& clock_;
@@ -325,6 +326,11 @@ TEST_CASE("While the cell is looked at, drive and camera are waited for, but not
                        Refused(Cause::kDevice, "no picture"));
   CHECK(devices.flaky.failures == 1);
   CHECK(devices.lost.asked > 2);
+  // A check that failed is none: the next move begins with it again.
+  devices.lost.takes_drive_along = 0;
+  devices.flaky.fails = false;
+  CHECK_THROWS_MATCHES(run.move_to({"a", {0.3, 0.2}, std::nullopt}), WorkError,
+                       Refused(Cause::kDevice, "no picture"));
   CHECK_FALSE(run.has("a"));
 }
 

@@ -46,6 +46,10 @@ class MockPulseDrive final : public PulseDrive {
     target_ = start_ = position();
     stalls = homing_ = false;
   }
+  void forget_position() override {
+    halt();
+    knows_position = false;
+  }
   DriveStatus status() override {
     const bool moving = stalls || position() != target_;
     if (homing_ && !moving) {

@@ -199,10 +199,10 @@ int CellJobs::begin(Doing doing, const std::string& kind, const std::string& nam
         } catch (const std::exception& error) {
           if (!is_begun)
             return [begun, fault = std::current_exception()] { begun->set_exception(fault); };
-          const std::optional<Cause> cause = cause_of(error);
-          const bool stopped = cause == Cause::kStopped;
+          // A stop by hand at the machine is none of these: it may have had a reason.
+          const bool stopped = dynamic_cast<const StopRequested*>(&error) != nullptr;
           if (!stopped) hold(error.what());
-          const Ending ending{error.what(), false, stopped ? "warning" : "error", cause};
+          const Ending ending{error.what(), false, stopped ? "warning" : "error", cause_of(error)};
           return [=] { end(ending); };
         }
       });

@@ -92,8 +92,8 @@ struct JobState {
   std::string kind, name;
   std::size_t done{0}, all{0};
   std::optional<double> left_s{};
-  std::string ended{};  ///< how it ended, in words; empty while it runs
-  bool ok{false};       ///< valid once it has ended
+  std::string ended{};           ///< how it ended, in words; empty while it runs
+  bool ok{false};                ///< valid once it has ended
   std::optional<Cause> cause{};  ///< of a refusal that ended it
 };
 

@@ -216,6 +216,11 @@ void VirtualDrive::set_position(std::int32_t position_pulses) {
   position_certain_ = true;
 }
 
+void VirtualDrive::forget_position() {
+  halt();
+  position_certain_ = false;
+}
+
 void VirtualDrive::require_ready() const {
   if (!energized_)
     throw WorkError("the virtual drive refuses to move: it is not energized", Cause::kDevice);

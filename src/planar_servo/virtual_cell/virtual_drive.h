@@ -165,6 +165,7 @@ class VirtualDrive final : public PulseDrive {
   /// Moves to the home switch, which stands at the drive's first position.
   void start_homing(HomeDirection direction) override;
   void set_position(std::int32_t position_pulses) override;
+  void forget_position() override;
 
   /// Sets a function that is called whenever the shaft, or its drive with a new target, is about to
   /// turn.

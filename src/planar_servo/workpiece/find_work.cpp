@@ -206,7 +206,8 @@ bool is_among(const std::vector<MarkCandidate>& candidates, const MarkCandidate&
 std::vector<MarkCandidate> candidates_in(const Picture& picture, const VisionCalibration& vision,
                                          const std::vector<Fiducial>& drawing) {
   std::map<MarkForm, Fiducial> forms;
-  for (const Fiducial& mark : drawing) forms.try_emplace(MarkForm{mark.kind, mark.size, mark.z}, mark);
+  for (const Fiducial& mark : drawing)
+    forms.try_emplace(MarkForm{mark.kind, mark.size, mark.z}, mark);
   std::vector<MarkCandidate> candidates;
   for (const auto& [form, mark] : forms) {
     const auto& [kind, size, z] = form;

@@ -41,6 +41,10 @@ void SeparateDrives::set_position(int joint, std::int32_t position_pulses) {
   drives_.at(static_cast<std::size_t>(joint))->set_position(position_pulses);
 }
 
+void SeparateDrives::forget_positions() {
+  for (PulseDrive* drive : drives_) drive->forget_position();
+}
+
 void require_within(const std::array<DriveLimits, 3>& limits,
                     const std::array<DriveLimits, 3>& rated) {
   constexpr double kAllowedExcess = 1.001;

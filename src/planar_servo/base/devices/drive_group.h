@@ -50,6 +50,8 @@ class PulseDrive {
 
   /// Declares the motor's position, which makes it certain. Allowed only at rest.
   virtual void set_position(std::int32_t position_pulses) = 0;
+  /// Halts the motor and makes its position uncertain.
+  virtual void forget_position() = 0;
 };
 
 /// A drive failed, refuses a command or is not ready. It may recover while the program runs.
@@ -96,9 +98,9 @@ class DriveGroup {
   virtual void start_homing(int joint, HomeDirection direction) = 0;
   virtual void set_position(int joint, std::int32_t position_pulses) = 0;
 
-  /// Makes every drive that would keep its position beyond this program unsure of it, at rest.
+  /// Makes every drive unsure of its position, at rest, also for others that use these drives.
   /// Throws DriveError naming those that could not be told.
-  virtual void forget_positions() { halt(); }
+  virtual void forget_positions() = 0;
 
   /// Returns in words why new targets every few hundredths of a second do not make one smooth
   /// motion of these drives; empty when they do.
@@ -121,6 +123,7 @@ class SeparateDrives final : public DriveGroup {
   std::array<DriveStatus, 3> status() override;
   void start_homing(int joint, HomeDirection direction) override;
   void set_position(int joint, std::int32_t position_pulses) override;
+  void forget_positions() override;
   void reconnect() override {}  ///< such drives are never out of touch
 
  private:

@@ -93,7 +93,9 @@ std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
     return Denial{{"no right to read", "open the address that planar-console has printed"}, 401};
   if (head.method == "GET" || head.method == "HEAD") return std::nullopt;
   if (!is_client(head.client))
-    return Denial{{"names no client", "send 16 to 64 of the digits 0 to 9 and a to f", "X-Planar-Client"}, 403};
+    return Denial{
+        {"names no client", "send 16 to 64 of the digits 0 to 9 and a to f", "X-Planar-Client"},
+        403};
   if (!begins(head.content_type, kJsonType))
     return Denial{{fmt::format("is '{}'", head.content_type), std::string("send ") + kJsonType,
                    "Content-Type"},

@@ -193,4 +193,9 @@ void GrblDrives::set_position(int joint, std::int32_t position_pulses) {
   set.certain = true;
 }
 
+void GrblDrives::forget_positions() {
+  for (Joint& joint : joints_) joint.certain = joint.switch_found = false;
+  halt();
+}
+
 }  // namespace planar

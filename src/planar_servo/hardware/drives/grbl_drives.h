@@ -34,6 +34,7 @@ class GrblDrives final : public DriveGroup {
   /// homes them without another search.
   void start_homing(int joint, HomeDirection direction) override;
   void set_position(int joint, std::int32_t position_pulses) override;
+  void forget_positions() override;
   std::optional<std::string> stream_refusal() const override {
     return "a board with Grbl brakes to rest before it turns an axis back";
   }

@@ -48,8 +48,10 @@ void LinkedDrives::open() {
   try {
     link_ = open_();
     state_ = link_->read();
-    if (was_on_ && state_.emergency)
-      missed_ = "its emergency stop is pressed since it was out of touch; `enable` clears this";
+    if (was_on_ && (state_.emergency || !state_.on))
+      missed_ = fmt::format("{} since it was out of touch; `enable` clears this",
+                            state_.emergency ? "its emergency stop is pressed"
+                                             : "it is off, as after its power was cut,");
     was_on_ = false;
   } catch (const WorkError& error) {
     lose(error.refusal());
@@ -244,7 +246,7 @@ DriveStatus LinkedDrives::status_of(std::size_t joint) const {
   status.homing = homing_joint_ == joint;
   status.faults = state_.faults;
   if (!missed_.empty()) status.faults.push_back(missed_);
-  const bool was_switched_off = was_on_ && !state_.on && state_.faults.empty();
+  const bool was_switched_off = was_on_ && !state_.on;
   status.stopped_by_hand = state_.stopped_by_hand || !missed_.empty() || was_switched_off;
   return status;
 }

@@ -83,7 +83,8 @@ ModbusLink::ModbusLink(const ModbusLine& line)
 }
 
 ModbusLink::~ModbusLink() {
-  if (may_move_) stop_all_that_hear();
+  // Nobody acknowledges a broadcast.
+  for (int i = 0; may_move_ && i < (line_.map.start ? kTries : 1); ++i) stop_all_that_hear();
   if (errors_.garbled + errors_.unanswered > 0)
     spdlog::warn(fmt::format("{}: of {} telegrams {} were garbled and {} not answered", line_.port,
                              errors_.telegrams, errors_.garbled, errors_.unanswered));
@@ -224,6 +225,7 @@ void ModbusLink::start(const std::array<Move, 3>& moves) {
   for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.move, moves[i], "take a move");
   if (line_.map.start) broadcast(*line_.map.start);
   started_ = Clock::now();
+  turned_.fill(started_);
 }
 
 void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) {
@@ -238,6 +240,7 @@ void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& l
 void ModbusLink::stop() {
   target_.reset();
   search_.reset();
+  if (line_.map.start) stop_all_that_hear();  // before one that does not answer is waited for
   std::optional<WorkError> failure;
   for (std::size_t i = 0; i < 3; ++i) {
     try {
@@ -286,7 +289,10 @@ MachineState ModbusLink::read() {
   for (std::size_t i = 0; i < 3; ++i) {
     const long status = read_value(i, map.status, "status");
     state.counts[i] = static_cast<int>(read_value(i, map.position, "position"));
-    state.moving = state.moving || map.moving.in(status);
+    if (map.moving.in(status)) {
+      state.moving = true;
+      turned_[i] = Clock::now();
+    }
     if (search_ && search_->driver == i) watch_search(status);
     state.on = state.on && (!map.on || map.on->in(status));
     if (!map.fault || !map.fault->in(status)) continue;
@@ -294,6 +300,13 @@ MachineState ModbusLink::read() {
                                                    read_value(i, *map.alarm, "alarm"))
                                      : fmt::format("{} reports a fault", name(i)));
   }
+  if (std::string one = left_behind(state); !one.empty()) {
+    state.faults.push_back(std::move(one));
+    state.stopped_by_hand = true;  // its own inputs may have stopped it
+  }
+  if (was_on_ && !state.on) ++losses_;
+  was_on_ = state.on;
+  state.losses = losses_;
   const bool begins = Clock::now() - started_ < kBeginning;
   if (target_ && state.counts != *target_ && begins && state.faults.empty()) state.moving = true;
   if (search_ && begins && state.faults.empty()) state.moving = true;
@@ -303,6 +316,19 @@ MachineState ModbusLink::read() {
   may_move_ = may_move_ && (state.moving || begins);
   here_ = state.counts;
   return state;
+}
+
+/// Returns which driver rests on its way while others move, which leaves the way that was checked;
+/// empty when none does.
+std::string ModbusLink::left_behind(const MachineState& state) const {
+  constexpr double kTurn = 1.0 / 360.0;  // by as much a closed loop may rest beside its target
+  for (std::size_t i = 0; i < 3 && target_ && state.moving; ++i) {
+    const int off = std::abs(state.counts[i] - (*target_)[i]);
+    if (off > kTurn * line_.counts_per_turn[i] && Clock::now() - turned_[i] > kBeginning)
+      return fmt::format("{} rests at {} counts on its way to {}, while others move", name(i),
+                         state.counts[i], (*target_)[i]);
+  }
+  return "";
 }
 
 void ModbusLink::check_word_order(const Pulses& counts) {

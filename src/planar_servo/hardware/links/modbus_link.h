@@ -83,6 +83,7 @@ class ModbusLink final : public MachineLink {
   Move move_of(std::size_t motor, long way, long target, const MoveTime& time) const;
   void start(const std::array<Move, 3>& moves);
   void watch_search(long status);
+  std::string left_behind(const MachineState& state) const;
   void end_search();
   void check_word_order(const Pulses& counts);
   void prove_word_order(const Pulses& toward);
@@ -98,8 +99,11 @@ class ModbusLink final : public MachineLink {
   std::optional<Search> search_;
   std::string unfound_;  ///< how the last search failed
   Pulses here_{0, 0, 0};
-  std::optional<Pulses> target_;  ///< of a move that may not have begun yet
-  Clock::time_point started_;     ///< the last move, or the last motion of a search
+  std::optional<Pulses> target_;               ///< of a move that may not have begun yet
+  Clock::time_point started_;                  ///< the last move, or the last motion of a search
+  std::array<Clock::time_point, 3> turned_{};  ///< when each last turned, or was told to
+  bool was_on_{false};
+  int losses_{0};  ///< of current, after which a motor stands anywhere
 };
 
 }  // namespace planar

@@ -259,6 +259,7 @@ void PlanarRobot::recover(double patience_s) {
     }
     throw_if_stopped();
     clock_.sleep_for_s(pause_s);
+    throw_if_stopped();
   }
 }
 

@@ -193,9 +193,14 @@ std::optional<std::string> ReadyCell::examine_at_end() {
   return examine();
 }
 
+/// A check that was stopped, failed or found something is made again by whoever moves next.
 std::string ReadyCell::examine() {
-  const bool first = !examined_s_;
-  examined_s_ = clock_.now_s();
+  std::string unwell = look_for_changes(!examined_s_);
+  if (unwell.empty()) examined_s_ = clock_.now_s();
+  return unwell;
+}
+
+std::string ReadyCell::look_for_changes(bool first) {
   if (!check_health_) {
     spdlog::warn("the cell's health is not checked (--no-health)");
     return {};

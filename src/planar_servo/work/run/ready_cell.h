@@ -175,6 +175,7 @@ class ReadyCell {
   bool was_examined_s_ago(double seconds) const;
   /// Returns what is not well; logs when nothing is known of the cell's health.
   std::string examine();
+  std::string look_for_changes(bool first);
   /// Waits for the drives. Throws DriveError when they are not back in time or may not be homed.
   void recover_drives(const std::string& id, const std::string& reason);
 

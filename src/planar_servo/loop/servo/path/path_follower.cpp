@@ -219,7 +219,13 @@ PathResult PathFollower::follow(const Path& path, const PathTiming& timing, bool
           now_s,
           here,
           GearPlay(planner_.transmission(), play_rad_, here)};
-  std::optional<PathResult> early = move_along(run, observer);
+  std::optional<PathResult> early;
+  try {
+    early = move_along(run, observer);
+  } catch (...) {
+    brake_after_fault();
+    throw;
+  }
   robot_.end_turning();
   PathResult result = early.value_or(PathResult{});
   if (!early && !run.inside_map)
@@ -227,6 +233,15 @@ PathResult PathFollower::follow(const Path& path, const PathTiming& timing, bool
               "the error map is not valid on the whole path: record training positions around it"};
   result.duration_s = clock_.now_s() - now_s;
   return result;
+}
+
+/// On the motors' ramps, so that they keep their positions.
+void PathFollower::brake_after_fault() {
+  try {
+    robot_.end_turning();
+  } catch (const std::exception&) {
+    // The first fault is the one to tell.
+  }
 }
 
 std::optional<PathResult> PathFollower::move_along(Run& run, const Observer& observer) {

@@ -158,6 +158,7 @@ class PathFollower {
   };
 
   std::optional<PathResult> move_along(Run& run, const Observer& observer);
+  void brake_after_fault();
   /// Looks once and learns from it. Returns why the path ends here, if it does.
   std::optional<PathResult> look(Run& run, const Observer& observer);
   PathLook measure(Run& run);
