@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <variant>
 
 #include "arrays.h"
@@ -267,9 +268,12 @@ class Cell {
 std::unique_ptr<Cell> open(const fs::path& path, bool use_error_map, bool accept_stale,
                            bool accept_map, bool check_health, bool home, bool at_marks,
                            bool nearest_turn) {
+  // What is said of where the arm stands holds once: a drive that loses its position later stands
+  // anywhere.
+  const auto turn = std::make_shared<bool>(nearest_turn), marks = std::make_shared<bool>(at_marks);
   const MayHome may_home = [=](Homing way, const std::string&) {
-    if (way == Homing::kTurn) return nearest_turn;
-    return way == Homing::kSearch ? home : at_marks;
+    if (way == Homing::kSearch) return home;
+    return std::exchange(way == Homing::kTurn ? *turn : *marks, false);
   };
   return std::make_unique<Cell>(path, use_error_map, accept_stale, accept_map, check_health,
                                 may_home);

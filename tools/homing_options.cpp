@@ -33,13 +33,15 @@ std::array<CLI::Option*, 2> add_homing_options(CLI::App& app, HomingOptions& opt
 }
 
 MayHome may_home(const HomingOptions& options, bool asks) {
-  // Copies of the answers share it.
+  // Copies of the answers share what holds once: a drive that loses its position later stands
+  // anywhere.
   const auto at_marks = std::make_shared<bool>(options.at_marks);
-  return [home = options.home, turn = options.nearest_turn, at_marks, asks](
-             Homing way, const std::string& unhomed) {
+  const auto turn = std::make_shared<bool>(options.nearest_turn);
+  return [home = options.home, turn, at_marks, asks](Homing way, const std::string& unhomed) {
     if (way == Homing::kSearch)
       return home || (asks && says_yes(unhomed + ". Home them now? The arm will move."));
-    if (way == Homing::kTurn) return turn || (asks && says_yes(unhomed + ". Is that so?"));
+    if (way == Homing::kTurn)
+      return std::exchange(*turn, false) || (asks && says_yes(unhomed + ". Is that so?"));
     return std::exchange(*at_marks, false) ||
            (asks && says_yes(unhomed + ". Do they stand at their marks now?"));
   };

@@ -140,6 +140,9 @@ Outcome certify(const Options& options) {
       throw InputError(Refusal{"--by scale-bar needs --bar", "name the table of its two marks"});
     return certify_by_bar(options);
   }
+  if (!options.bar.empty())
+    throw InputError(Refusal{"--bar needs --by scale-bar: without it the arm moves",
+                             "add --by scale-bar, or leave --bar out"});
   const CertificateRequest request = request_of(options);
   heed_interrupts();
   std::optional<ProgressBar> bar("moves");

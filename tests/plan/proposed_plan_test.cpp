@@ -84,6 +84,23 @@ TEST_CASE("Unattended poses follow the readings") {
   CHECK(rows_of(plan, Purpose::kPose) > 25);
 }
 
+TEST_CASE("A plan that continues has poses of its own, and no number of a place before") {
+  const CellSettings cell = read_cell(test::paper_cell_file());
+  const std::vector<PairRow> pairs(1, [] {
+    PairRow pair;
+    pair.id = "pose_970";
+    return pair;
+  }());
+  const ProposedPlan first = propose_plan(cell, {0, 60, 12}),
+                     next = propose_plan(cell, {0, 30}, pairs);
+  const auto place = [](const PlanRow& row) { return std::get<TipPose>(row.where).p; };
+  for (const PlanRow& row : next.rows) {
+    CHECK(std::stoi(row.id.substr(5)) > 970);
+    for (const PlanRow& other : first.rows)
+      if (other.plan == Purpose::kPose) CHECK((place(row) - place(other)).norm() > 1e-6);
+  }
+}
+
 TEST_CASE("Without a tracker too few lays or poses are refused") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   for (const PlanRequest& request : {PlanRequest{0, 60, 1}, PlanRequest{0, 11, 5}})

@@ -61,6 +61,9 @@ jog "have no marks" "a mark was taken" enable "mark 1"
 jog "do not know where they stand" "it moved unhomed" enable "joint 1 5"
 jog "whole turns from there" "a turn was guessed" enable home
 jog "3 joints homed" "by hand" enable "home nearest-turn" where
+[ "$(grep -c "homed by sight" out.txt)" -eq 1 ] || fail "by hand: $(cat out.txt)"
+jog "3 joints homed" "again" enable "home nearest-turn" "home nearest-turn"
+[ "$(grep -c "homed by sight" out.txt)" -eq 2 ] || fail "a second homing did nothing: $(cat out.txt)"
 printf 'id,plan,x_mm,y_mm\nA,pose,200,100\n' >plan.csv
 "$bin/planar-record" --cell cell/cell.yaml --plan plan.csv --home --nearest-turn --out recorded >out.txt 2>err.txt ||
   fail "recording: $(cat out.txt err.txt)"

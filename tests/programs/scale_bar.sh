@@ -34,6 +34,7 @@ status=0
 [ $status -eq 1 ] && grep -q "too few" few/scale_bar.html || fail "one place ended with $status"
 put 250,409.8,180
 expect 1 "nobody knows which is the bar.s other end" "${certify[@]}" --out several
+expect 2 "needs --by scale-bar" "$bin/planar-certify" --cell cell/cell.yaml --bar bar.csv --out made
 expect 2 "needs --bar" "$bin/planar-certify" --cell cell/cell.yaml --by scale-bar --out made
 
 # The same bar enters the calibration: pictures are taken into a folder, and the map says what fixed its scale.

@@ -77,6 +77,22 @@ with ServedConsole(sys.argv[1], "cell/tools.yaml") as page:
     (result,) = page.ask("/api/results")
     assert abs(result["x_mm"] - target["x_mm"]) < 1e-3, result
     assert "sigma_target_mm" not in result or result["sigma_target_mm"] > 0, result
+    at = "/api/place?x_mm=300&y_mm=100&phi_deg=0"
+    p, tip = (page.ask(at + tool)["way_mm"][-1] for tool in ("", "&tool=needle"))
+    assert p == [300, 100] and max(abs(a - b) for a, b in zip(p, tip)) > 1, (p, tip)
+END
+put 203,150,12
+PYTHONPATH=$repository/tests/support python3 -B - "$bin/planar-console" <<'END' || fail "the page runs on a work that has moved: $(cat page.txt)"
+import sys
+from served_console import ServedConsole
+with ServedConsole(sys.argv[1], "cell/tools.yaml") as page:
+    page.ask("/api/targets", {"csv": "id,x_mm,y_mm\nA,20,20\n", "work": "work.yaml", "tool": ""})
+    page.ask("/api/command", {"line": "enable"})
+    page.ask("/api/run", {"out": "moved_run"})
+    state = page.rests()
+    open("page.txt", "w").write(str(state["job"]))
+    assert not state["job"]["ok"] and "has moved" in state["held_by"], state
+    assert page.ask("/api/results") == []
 END
 "$bin/planar-next" --cell cell/tools.yaml --json next.json >next.txt
 grep -q "^done *tools" next.txt && grep -q "^done *workpiece" next.txt || fail "$(cat next.txt)"

@@ -51,7 +51,7 @@ class NotingDevices final : public CellDevices,
   FrameResult next_frame() override {
     clock_.sleep_for_s(0.1);
     if (fault()) return {FrameStatus::kTimeout, {}};
-    return {FrameStatus::kOk, {cv::Mat::zeros(64, 64, CV_8UC1), {0, 0, 64, 64}, 0.0, 0}};
+    return {FrameStatus::kOk, {cv::Mat::zeros(64, 64, CV_8UC1), {0, 0, 64, 64}, clock_.now_s(), 0}};
   }
 
   std::optional<std::string> fault() const override {
@@ -68,6 +68,7 @@ class NotingDevices final : public CellDevices,
   std::vector<TrackerAnswer> answers;
   std::vector<std::string> asked;    ///< places and monuments, in their order
   double dead_after_reading_s{0.0};  ///< the camera, for so long
+  std::string skipped;               ///< this monument is
 
   TrackerAnswer measure_tool(const std::string& place) override {
     asked.push_back(place);
@@ -84,7 +85,7 @@ class NotingDevices final : public CellDevices,
   void await_tool() override { asked.push_back("tool"); }
   TrackerAnswer measure_monument(const std::string& id) override {
     asked.push_back(id);
-    return TrackerAnswer::of({});
+    return id == skipped ? TrackerAnswer{TrackerStatus::kSkipped} : TrackerAnswer::of({});
   }
 
   void hold_board(int view) override {
@@ -334,10 +335,8 @@ TEST_CASE("A recording is not resumed by another plan or another cell") {
       Refused(Cause::kForeign, "drives"));
   CHECK_THROWS_MATCHES(again([](RecordRequest& r) { r.cell.camera.width_px = 128; }), InputError,
                        Refused(Cause::kForeign, "64 x 64 px"));
-  CHECK_THROWS_MATCHES(again([](RecordRequest& r) {
-                         r.cell.datum.push_back({"d9", {0.0, 0.0, 0.0}});
-                       }),
-                       InputError, Refused(Cause::kForeign, "'d9'"));
+  CHECK_THROWS_MATCHES(again([](RecordRequest& r) { r.cell.datum.front().id = "d9"; }), InputError,
+                       Refused(Cause::kForeign, "'d9'"));
 }
 
 RecordRequest two_places(const test::TemporaryFolder& folder) {
@@ -354,6 +353,50 @@ std::vector<std::string> ids_in_tables(const RecordRequest& request) {
   for (const TrackerRow& row : read_tracker(request.recording / "tracker.csv"))
     if (row.id[0] == 't') ids.push_back(row.id);
   return ids;
+}
+
+TEST_CASE("Frames come later than those of a clock that has begun anew since") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  NotingDevices before;
+  record(request, before);
+  request.plan.push_back({"t2", Purpose::kTrain, TipPose{{0.1, 0.3}, 0.0}});
+  NotingDevices after;  // its clock begins at 0
+  record(request, after);
+  const std::vector<FrameRow> frames = read_frames(request.recording);
+  CHECK(std::is_sorted(frames.begin(), frames.end(),
+                       [](const FrameRow& a, const FrameRow& b) { return a.t_s < b.t_s; }));
+  CHECK(frames.back().id == "t2");
+}
+
+TEST_CASE("A recording with a skipped monument, or a broken first round, can be continued") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  request.cell.datum.push_back({"datum4", {0.45, -0.45, 0.0}});
+  NotingDevices devices;
+  SECTION("skipped") {
+    devices.skipped = "datum4";
+    CHECK(record(request, devices).recorded == 2);
+  }
+  SECTION("broken off") {
+    request.plan = {{"p0", Purpose::kPose, TipPose{{0.1, 0.3}, 0.0}}};
+    CHECK(record(request, devices).recorded == 1);
+    write_file(request.recording / "tracker.csv",
+               tracker_header() + tracker_line({"datum1", 0.0, {0.1, 0.2, 0.3}}));
+  }
+  request.plan.push_back({"t2", Purpose::kTrain, TipPose{{0.1, 0.31}, 0.0}});
+  NotingDevices again;
+  CHECK(record(request, again).recorded == 1);
+}
+
+TEST_CASE("A plan of readings is refused where fewer than three monuments tie them to the base") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  request.cell.datum.pop_back();
+  NotingDevices devices;
+  CHECK_THROWS_MATCHES(record(request, devices), InputError,
+                       Refused(Cause::kMissing, "datum has 2 monuments"));
+  CHECK(devices.asked.empty());
 }
 
 TEST_CASE("A place without a good reading is taken again, and the third failure ends the work") {

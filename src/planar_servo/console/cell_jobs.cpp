@@ -111,7 +111,8 @@ std::vector<std::string> CellJobs::works() const {
 
 void CellJobs::take_taught(const std::string& id) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (loaded_.drawn.empty() || !loaded_.work.empty()) return;
+  // It was taught in the base frame, for P.
+  if (loaded_.drawn.empty() || !loaded_.work.empty() || !loaded_.tool.empty()) return;
   for (const TargetRow& target : targets_in(read_file(cell_.teach()), cell_.teach().string()))
     if (target.id == id) loaded_.drawn.push_back(target);
 }
@@ -143,6 +144,8 @@ int CellJobs::run(const std::string& name, bool resume, StopsKnown known) {
           show_progress(done, all);
           tell_result(result_answer(run.results().back()));
         });
+        for (const TargetResult& result : run.results())
+          if (result.status == ServoStatus::kDoubted) tell_result(result_answer(result));
         const ServoFigures figures =
             conclude_run(wanted, run, devices.camera().counts() - before, table);
         hold(run.ended_by().value_or(""));
@@ -321,7 +324,13 @@ void CellJobs::tell_result(nlohmann::ordered_json result) {
   result["job"] = last_job_;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    results_.push_back(result);
+    const auto told = std::find_if(results_.begin(), results_.end(), [&](const auto& one) {
+      return result.contains("target") && one.value("target", "") == result["target"];
+    });
+    if (told == results_.end())
+      results_.push_back(result);
+    else
+      *told = result;
   }
   board_.tell("result", result);
 }

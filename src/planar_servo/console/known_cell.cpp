@@ -170,9 +170,7 @@ ordered_json KnownCell::map_json() const {
   return {{"region_mm", json_list(region.hull, json_mm)}, {"arrows", arrows}};
 }
 
-ordered_json KnownCell::place_json(const Eigen::Vector2d& p, std::optional<double> phi,
-                                   const Joints& from) const {
-  const TipPose pose{p, phi.value_or(settings().tool_orientation)};
+ordered_json KnownCell::place_json(const TipPose& pose, const Joints& from) const {
   const JointPlan plan = cell_.planner.plan(pose, from);
   const ApproachWay way = plan.refusal
                               ? ApproachWay{{}, plan.refusal}

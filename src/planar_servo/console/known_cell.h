@@ -35,9 +35,8 @@ class KnownCell {
   nlohmann::ordered_json json() const;
 
   /// Returns whether an end point (base frame, metres) can be reached from these joints, and what
-  /// is known of vision there. Without `phi` the tool keeps the cell's direction.
-  nlohmann::ordered_json place_json(const Eigen::Vector2d& p, std::optional<double> phi,
-                                    const Joints& from) const;
+  /// is known of vision there.
+  nlohmann::ordered_json place_json(const TipPose& pose, const Joints& from) const;
 
  private:
   nlohmann::ordered_json map_json() const;

@@ -237,7 +237,7 @@ WorkStep arm_step(const WorkFiles& work) {
   return step(
       "found arm", reason,
       cell.arm_found ? work.description(*cell.arm_found) : "none, which the loop can do without",
-      fmt::format("echo 'arm_found: arm.yaml' >>{}", shell_word(cell.file)));
+      fmt::format("printf '\\narm_found: arm.yaml\\n' >>{}", shell_word(cell.file)));
 }
 
 /// The tools that the cell file names, if there are any.
@@ -398,6 +398,13 @@ std::vector<MadeFile> existing(std::vector<MadeFile> files) {
   return files;
 }
 
+/// Whether a certificate ended before its last move, by its figures.
+bool was_ended(const fs::path& figures) {
+  const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
+  return json.is_object() && json.contains("ended_by") && json["ended_by"] != "" &&
+         !json["ended_by"].is_null();
+}
+
 }  // namespace
 
 WorkFiles::WorkFiles(const fs::path& cell_file, std::string board)
@@ -526,7 +533,8 @@ bool WorkFiles::are_results_of_now(const fs::path& results) const {
 
 bool WorkFiles::is_certificate_to_continue(const fs::path& certificate) const {
   const fs::path cycles = certificate / "cycles.csv", results = certificate / "results.csv";
-  if (fs::exists(certificate / "certificate.json")) return false;
+  const fs::path figures = certificate / "certificate.json";
+  if (fs::exists(figures) && !was_ended(figures)) return false;
   if (!fs::exists(cycles)) return !fs::exists(results);
   return remark_in(cycles, "# cell: ") == content_sha256(cell_.file) &&
          (!fs::exists(results) || are_results_of_now(results));
@@ -534,7 +542,7 @@ bool WorkFiles::is_certificate_to_continue(const fs::path& certificate) const {
 
 bool WorkFiles::is_certificate_of_now(const fs::path& certificate) const {
   const fs::path figures = certificate / "certificate.json";
-  if (!fs::exists(figures)) return false;
+  if (!fs::exists(figures) || was_ended(figures)) return false;
   const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
   if (!json.is_object() || !json.contains("files")) return false;
   const std::string certified = json["files"].dump();

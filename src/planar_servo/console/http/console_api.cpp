@@ -16,6 +16,8 @@
 #include "planar_servo/console/doctor/next_step.h"
 #include "planar_servo/console/http/cell_folder.h"
 #include "planar_servo/console/json_values.h"
+#include "planar_servo/files/tool_file.h"
+#include "planar_servo/work/run/dry_run.h"
 
 namespace planar {
 
@@ -334,12 +336,14 @@ ConsoleApi::Json ConsoleApi::state(const Request& request) {
 }
 
 ConsoleApi::Json ConsoleApi::place(const Request& request) {
-  const Eigen::Vector2d p(number_in(request, "x_mm"), number_in(request, "y_mm"));
-  std::optional<double> phi;
-  if (request.has_param("phi_deg")) phi = number_in(request, "phi_deg") * kDegree;
+  TargetRow place;
+  place.p_d = kMillimetre * Eigen::Vector2d{number_in(request, "x_mm"), number_in(request, "y_mm")};
+  if (request.has_param("phi_deg")) place.phi_d = number_in(request, "phi_deg") * kDegree;
+  const CellSettings& cell = cell_.settings();
+  const auto with_tip = CellTools(cell, request.get_param_value("tool"), false).with_tips({place});
   const auto arm = board_.state().arm;
-  return cell_.place_json(p * kMillimetre, phi,
-                          arm && arm->stand ? arm->stand->theta : cell_.settings().arm.home);
+  return cell_.place_json(end_point_pose(with_tip.front(), cell.tool_orientation),
+                          arm && arm->stand ? arm->stand->theta : cell.arm.home);
 }
 
 ConsoleApi::Json ConsoleApi::files(const Request& request) {

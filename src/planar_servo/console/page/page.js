@@ -34,6 +34,8 @@ async function heedFiles(count) {
   cell = await attempt(() => ask("api/cell")) || cell;
   showCell();
   attempt(loadCell);
+  attempt(loadTargets);  // what was loaded is forgotten with the files
+  attempt(loadPath);
 }
 
 /// A job that has ended may have made files and a report.

@@ -27,7 +27,7 @@ async function examine() {
     return;
   }
   markPlace([place.x_mm, place.y_mm]);
-  const answer = await attempt(() => ask(`api/place?${new URLSearchParams(known(place))}`));
+  const answer = await attempt(() => ask(`api/place?${new URLSearchParams({...known(place), tool})}`));
   if (!answer) return;
   markPlace([place.x_mm, place.y_mm], answer.way_mm);
   put("place", textOf(place, answer));

@@ -8,11 +8,12 @@ import {choose} from "./place.js";
 import {kindOf, stateText} from "./results.js";
 
 let targets = [], results = new Map(), job = null, whither = "";
+let usual = "";  // the tool of targets that name none
 
 function rowOf(target) {
   const result = results.get(target.id) || null;
   const go = make("button", {type: "button", class: "plain"}, target.id);
-  go.addEventListener("click", () => choose([target.x_mm, target.y_mm], target.phi_deg, target.tool));
+  go.addEventListener("click", () => choose([target.x_mm, target.y_mm], target.phi_deg, target.tool || usual));
   const number = (value, decimals) => make("td", {class: "number"}, fixed(value, decimals));
   return make("tr", {class: kindOf(result)}, make("th", {scope: "row"}, go), number(target.x_mm, 3),
     number(target.y_mm, 3), number(target.phi_deg, 2), make("td", {class: "state"}, stateText(result)),
@@ -48,6 +49,7 @@ export async function loadTargets() {
   targets = list;
   if (!byId("csv").matches(":focus")) byId("csv").value = table.csv;
   whither = (table.work && `, on ${table.work}`) + (table.tool && `, with ${table.tool}`);
+  usual = table.tool;
   offer("on-work", table.works, table.work);
   offer("with-tool", table.tools, table.tool);
   showTargets();
@@ -90,6 +92,10 @@ async function run(resume) {
   const out = byId("run-name").value;
   show("run-ask", false);
   try {
+    if (JSON.stringify(await ask("api/targets")) !== JSON.stringify(targets)) {
+      await loadTargets();
+      return complain({fault: "the console had other targets than this page, which shows them now", remedy: "look at them, then run"});
+    }
     job = (await tell("api/run", {out, resume, judged: false})).job;
     if (!resume) results.clear();
     showTargets();

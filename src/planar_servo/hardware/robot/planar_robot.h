@@ -73,6 +73,8 @@ class PlanarRobot {
   std::vector<int> unhomed();
   /// Asks the drives anew where they stand, for a robot whose drives another one has moved.
   void read_drives() { read_positions(drives_.status()); }
+  /// Waits, as until an arm has ceased to swing.
+  void wait_for_s(double duration_s) { clock_.sleep_for_s(duration_s); }
 
   /// Moves a motor to its home switch and counts its position from there. Throws DriveError when it
   /// has no switch, does not find it or fails; all motors halt then.

@@ -98,9 +98,12 @@ std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::look_around() {
   last_frame_ = std::move(result.frame);
   Frame without_fixed = last_frame_;
   without_fixed.image = watch_.without_lamps(last_frame_.image);
-  const LampPair pair = tracker_.locate(without_fixed, {});
+  PairExpectation anywhere;
+  anywhere.diameter_over_separation = vision_.lamps.diameter_over_separation();
+  const LampPair pair = tracker_.locate(without_fixed, anywhere);
   last_looks_ = {pair.lamps[0].look, pair.lamps[1].look};
-  if (pair.status != LampStatus::kOk && pair.status != LampStatus::kAmbiguous) return std::nullopt;
+  for (const LampCenter& lamp : pair.lamps)  // of several pairs each lamp is ambiguous
+    if (lamp.status != LampStatus::kOk) return std::nullopt;
   std::array<Eigen::Vector2d, 2> lamps_B;
   for (std::size_t k = 0; k < 2; ++k) {
     const auto p_W = vision_.workplane.plane_from_pixel(watch_.motion().then(pair.lamps[k].uv_px));

@@ -208,6 +208,15 @@ bool StreamTracker::is_of_tool(const StreamedReading& reading) const {
   return monuments_.count(reading.id) == 0;
 }
 
+namespace {
+
+TrackerAnswer unrested(const RestWindow& window, double waited_s) {
+  return TrackerAnswer::failed(fmt::format("the reflector did not come to rest within {} s: {}",
+                                           waited_s, window.scatter_text()));
+}
+
+}  // namespace
+
 TrackerAnswer StreamTracker::measure(const Wanted& wanted) {
   const SteadyClock clock;
   const double end_s = clock.now_s() + patience_.rest_s;
@@ -223,8 +232,7 @@ TrackerAnswer StreamTracker::measure(const Wanted& wanted) {
     if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
     if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
   }
-  return TrackerAnswer::failed(fmt::format("the reflector did not come to rest within {} s: {}",
-                                           patience_.rest_s, window.scatter_text()));
+  return unrested(window, patience_.rest_s);
 }
 
 /// The beam is broken while somebody carries the reflector, and the program may be silent.
@@ -232,15 +240,25 @@ TrackerAnswer StreamTracker::wait_for(const Wanted& wanted) {
   const SteadyClock clock;
   const double end_s = clock.now_s() + patience_.carried_s;
   RestWindow window(tracker_);
+  bool came = false;
+  std::string other;  ///< why the last line does not count
   stream_->forget();
   for (double left_s = patience_.carried_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
     const auto event = hear(left_s);
-    if (!event || !event->reading || !wanted(*event->reading)) continue;
+    if (!event) continue;
+    if (!event->reading || !wanted(*event->reading)) {
+      other = event->reading ? fmt::format("is of '{}'", event->reading->id) : event->fault;
+      continue;
+    }
+    came = true;
     window.add(*event->reading, event->arrived_s);
     if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
     if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
   }
-  return silent(patience_.carried_s);
+  if (came) return unrested(window, patience_.carried_s);
+  TrackerAnswer answer = silent(patience_.carried_s);
+  if (!other.empty()) answer.fault += "; other lines came, the last of which " + other;
+  return answer;
 }
 
 std::optional<StreamEvent> StreamTracker::hear(double patience_s) {

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/devices/tracker.h"
@@ -71,6 +72,18 @@ void set_tracker(ArmNominal& nominal, const CellSettings& cell) {
   const double sigma = cell.tracker.sigma_m / std::sqrt(readings);
   nominal.registration_shift = sigma / std::sqrt(n);
   nominal.registration_turn = sigma / std::sqrt(spread);
+}
+
+/// The monuments are read from about as far as the places are, where readings scatter more.
+void spread_registration(ArmNominal& nominal, const CellSettings& cell,
+                         const std::vector<PoseSample>& samples) {
+  std::vector<double> sigmas;
+  for (const PoseSample& sample : samples)
+    if (sample.reflector_B) sigmas.push_back(sample.sigma_reflector);
+  if (sigmas.empty() || !(cell.tracker.sigma_m > 0.0)) return;
+  const double growth = std::max(1.0, median(sigmas) / cell.tracker.sigma_m);
+  nominal.registration_shift *= growth;
+  nominal.registration_turn *= growth;
 }
 
 BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
@@ -241,8 +254,10 @@ LampFieldFit learn_lamp_field(const LampFieldFiles& files, const CellSettings& c
                               const VisionCalibration& vision, const Progress& progress) {
   warn_of_changed_rows(files.pairs);
   const std::vector<PoseSample> samples = pose_samples(cell, read_pairs(files.pairs));
-  return fit_lamp_field(nominal_arm(cell, vision), samples,
-                        laid_things(files, vision, seen_radius(samples)), progress);
+  ArmNominal nominal = nominal_arm(cell, vision);
+  spread_registration(nominal, cell, samples);
+  return fit_lamp_field(nominal, samples, laid_things(files, vision, seen_radius(samples)),
+                        progress);
 }
 
 void write_lamp_field(const LampFieldFiles& files, const LampFieldFit& fit,

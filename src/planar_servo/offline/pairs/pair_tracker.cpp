@@ -103,7 +103,8 @@ Refusal no_monument(const PairTrackerRequest& request) {
 }
 
 SortedReadings sort_readings(const PairTrackerRequest& request) {
-  std::set<std::string> ids, read_first;
+  std::set<std::string> ids;
+  std::map<std::string, std::size_t> first_after;  ///< by monument, so many readings of the tool
   for (const Monument& monument : request.cell.datum) ids.insert(monument.id);
   SortedReadings sorted;
   for (const TrackerRow& row : request.tracker) {
@@ -112,19 +113,10 @@ SortedReadings sort_readings(const PairTrackerRequest& request) {
       continue;
     }
     const MonumentReading reading{row.id, row.p_L, request.cell.tracker.sigma_at(row.p_L.norm())};
-    if (sorted.tool.empty()) {
-      read_first.insert(row.id);
-      sorted.begin.push_back(reading);
-    } else {
-      sorted.end.push_back(reading);
-    }
+    const auto first = first_after.try_emplace(row.id, sorted.tool.size()).first;
+    (first->second == sorted.tool.size() ? sorted.begin : sorted.end).push_back(reading);
   }
-  if (read_first.empty() && sorted.end.empty()) throw InputError(no_monument(request));
-  const auto again = std::stable_partition(
-      sorted.end.begin(), sorted.end.end(),
-      [&](const MonumentReading& reading) { return read_first.count(reading.id) == 0; });
-  sorted.begin.insert(sorted.begin.end(), sorted.end.begin(), again);
-  sorted.end.erase(sorted.end.begin(), again);
+  if (first_after.empty()) throw InputError(no_monument(request));
   return sorted;
 }
 

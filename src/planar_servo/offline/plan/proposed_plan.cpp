@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <random>
-#include <set>
 #include <utility>
 
 #include "planar_servo/base/core/decompositions.h"
@@ -193,27 +193,35 @@ std::vector<PlanRow> rows_at_random(const KnownCell& known, Purpose plan, std::v
   return rows;
 }
 
-/// Returns the first number of an id train_NNN or pose_NNN that no pair has.
+/// Returns a number beyond those of ids train_NNN or pose_NNN of the plans before: places that were
+/// rejected had numbers, too, and have no pairs.
 std::size_t next_number(Purpose plan, const std::vector<PairRow>& pairs) {
-  std::set<std::string> ids;
-  for (const PairRow& pair : pairs) ids.insert(pair.id);
-  std::size_t number = pairs.size();
-  while (ids.count(fmt::format("{}_{:03}", name_in(kPurposes, plan), number)) != 0) ++number;
-  return number;
+  constexpr std::size_t kRound = 100;
+  const std::string prefix = fmt::format("{}_", name_in(kPurposes, plan));
+  std::size_t next = pairs.size();
+  for (const PairRow& pair : pairs) {
+    std::size_t number = 0;
+    if (pair.id.rfind(prefix, 0) != 0) continue;
+    std::from_chars(pair.id.data() + prefix.size(), pair.id.data() + pair.id.size(), number);
+    next = std::max(next, number + 1);
+  }
+  return (next + kRound - 1) / kRound * kRound;
 }
 
 /// Returns views of the board, sweeps and unattended poses of an experiment of this size.
-std::vector<PlanRow> drawn_rows(const CellSettings& cell, ExperimentSize size) {
+std::vector<PlanRow> drawn_rows(const CellSettings& cell, ExperimentSize size,
+                                std::uint64_t seed = 0) {
   size.training_points = size.test_points = size.check_points = size.run_points = 0;
-  return experiment_plan(cell, 0, size).rows;
+  return experiment_plan(cell, seed, size).rows;
 }
 
-std::vector<TipPose> unattended_poses(const CellSettings& cell, int count) {
+std::vector<TipPose> unattended_poses(const CellSettings& cell, int count, std::uint64_t seed) {
   ExperimentSize size;
   size.board_views = size.lays = size.sweep_points = 0;
   size.unattended_poses = count;
   std::vector<TipPose> tips;
-  for (const PlanRow& row : drawn_rows(cell, size)) tips.push_back(std::get<TipPose>(row.where));
+  for (const PlanRow& row : drawn_rows(cell, size, seed))
+    tips.push_back(std::get<TipPose>(row.where));
   return tips;
 }
 
@@ -326,7 +334,7 @@ ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
   };
   if (places > 0) add(Purpose::kTrain, most_telling(known_cell, pairs, places, plan));
   const std::size_t before = plan.rows.size();
-  add(Purpose::kPose, unattended_poses(cell, request.unattended));
+  add(Purpose::kPose, unattended_poses(cell, request.unattended, pairs.size()));
   if (request.readings == 0)
     require_poses(cell, plan.rows.size() - before, pairs.empty() ? kFewestPoses : 1);
   // Views of the board come last: only the other rows need the tracker, which is rented.

@@ -19,7 +19,11 @@ namespace {
 
 constexpr char kByHand[] =
     "turn the arm by hand to where both lamps are in view, well inside its limits and workspace, "
-    "and start again, or turn it to its marks and start with --at-marks";
+    "and start again, or name marks under home (reference: taught), turn it to them and start with "
+    "--at-marks";
+/// An arm may stand as far beyond its limits: they end up to 5 degrees before its stops, and zeros
+/// and links are a little off.
+constexpr double kBeyond = 6.0 * kDegree;
 /// What takes up the play of a gear, and the turn that is then looked at.
 constexpr double kTakeUp = 0.3 * kDegree, kTestTurn = 0.7 * kDegree;
 /// Joint 3's turn that tells which lamp is which, where the end point is not midway between them:
@@ -72,7 +76,7 @@ std::vector<PostureCandidate> posture_candidates(const CalibratedCell& cell,
       const InverseResult inverse = cell.planner.arm().inverse(tip, elbow, cell.settings.arm.home);
       if (inverse.status != ReachStatus::kOk) continue;
       const auto theta = cell.planner.transmission().branch_within_limits(
-          inverse.theta, cell.settings.arm.home, {});
+          inverse.theta, cell.settings.arm.home, {-kBeyond, -kBeyond});
       if (theta) candidates.push_back({*theta, elbow, exchanged});
     }
   }
@@ -147,6 +151,7 @@ class SightHoming {
   void go_to(const Joints& theta) {
     if (const auto objection = robot_.move_to(theta, [&] { return sensor_.fault(); }))
       throw WorkError(*objection, Cause::kDevice);
+    robot_.wait_for_s(cell_.settings.servo.settle_s);
   }
 
   /// Turns a motor and lets all candidates follow.
@@ -165,13 +170,15 @@ class SightHoming {
   bool keeps_those_that_moved(const std::vector<Eigen::Vector2d>& moves,
                               const Eigen::Vector2d& seen, int n, const Property& property,
                               const char* what) {
-    constexpr int kMostTurns = 8;  // there and back again
+    constexpr int kMostTurns = 24;  // there and back again
     // A gear may turn by this share more or less within a small angle.
     constexpr double kGearShare = 0.05, kSigmas = 4.0;
     // Of a move: looks of moving air, and two stops of the arm as it was found, or of one whose
     // maker states a repeatability of 0.06 mm: those of small arms are 0.02 to 0.2 mm.
     const double stop_m = cell_.planner.found() ? cell_.planner.scatter_m() : 20e-6;
-    const double scatter_m = kSigmas * std::hypot(10e-6, std::sqrt(2.0) * stop_m) / std::sqrt(n);
+    // Moves that follow each other share a stop and a look.
+    const double scatter_m =
+        kSigmas * std::hypot(10e-6, std::sqrt(2.0) * stop_m) * std::sqrt(2.0 * n - 1.0) / n;
     std::size_t best = 0;
     for (std::size_t i = 1; i < moves.size(); ++i)
       if ((seen - moves[i]).norm() < (seen - moves[best]).norm()) best = i;
@@ -224,6 +231,7 @@ class SightHoming {
 
   bool may_turn(const Joints& theta, int motor, double turn) const {
     const Joints end = turned(theta, motor, turn);
+    if (cell_.planner.transmission().limit_violation(end)) return false;
     if (cell_.planner.way_refusal(theta, end)) return false;
     const Eigen::Vector2d limits =
         cell_.settings.transmission.limits_rad[static_cast<std::size_t>(motor)];
@@ -249,8 +257,8 @@ std::string turns_text(const CalibratedCell& cell, const Joints& theta) {
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector2d limits =
         cell.settings.transmission.limits_rad[static_cast<std::size_t>(i)];
-    const double below = std::floor((motors[i] - limits[0]) / (2.0 * kPi));
-    const double above = std::floor((limits[1] - motors[i]) / (2.0 * kPi));
+    const double below = std::floor((motors[i] - limits[0] + kBeyond) / (2.0 * kPi));
+    const double above = std::floor((limits[1] + kBeyond - motors[i]) / (2.0 * kPi));
     if (below + above == 0.0) continue;
     text += fmt::format("{}motor {} stands at {:.1f} deg, or whole turns from there",
                         text.empty() ? "" : ", ", i + 1, motors[i] / kDegree);
@@ -290,6 +298,10 @@ void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor
            "", Cause::kInsufficient});
     robot.set_joints(theta);
     spdlog::info("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " "));
+    if (posture.elbow != cell.settings.arm.elbow)
+      spdlog::warn(
+          "the elbow is on the side on which the arm was not calibrated: for exact zeros "
+          "turn it to the other one by hand and home again");
   } catch (...) {
     robot.forget_position();  // what was set on the way is a guess
     throw;

@@ -55,11 +55,9 @@ std::size_t JogArm::home(std::optional<int> joint) {
 }
 
 std::size_t JogArm::home_by(const std::function<void(PlanarRobot&)>& way) {
-  const std::size_t homed = robot_.unhomed().empty() ? 0 : cell_.drives.size();
-  if (homed == 0) return homed;
   require_enabled();
-  way(robot_);
-  return homed;
+  way(robot_);  // also where the drives know a position, which may be off by lost steps
+  return cell_.drives.size();
 }
 
 void JogArm::mark(int joint) {

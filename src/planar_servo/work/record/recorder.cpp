@@ -54,7 +54,9 @@ class Recorder {
         readings_(request, begun, devices.tracker(), tracker_table_),
         person_(*request.person),
         progress_(request, joints, begun, wall_clock_, display),
-        may_home_(request.may_home) {
+        board_in_field_(begun.ends_with_board),
+        may_home_(request.may_home),
+        later_s_(std::max(0.0, begun.last_frame_s.value_or(0.0) - devices.clock().now_s())) {
     devices.tracker().ask_of(request.person);
     robot_.stop_when(request.stop);
     if (devices.board_presenter() != nullptr)
@@ -167,7 +169,7 @@ class Recorder {
   }
 
   void approach(const Joints& theta) {
-    if (board_in_field_) board_source_->clear_field();
+    if (board_in_field_) clear_field();
     board_in_field_ = false;
     if (!energized_) make_ready();
     // On the way frames only tell that the camera is well; the link carries small ones easily.
@@ -175,6 +177,15 @@ class Recorder {
         region_round({0.5 * full_region().width, 0.5 * full_region().height}));
     move_to(theta);
     devices_.clock().sleep_for_s(cell_.servo.settle_s);
+  }
+
+  void clear_field() {
+    if (board_source_) {
+      devices_.camera().set_region(full_region());
+      board_source_->clear_field();
+    } else if (person_.is_attended()) {
+      person_.ask("take the board out of the arm's way and press Enter; the arm will move: ");
+    }
   }
 
   void move_to(const Joints& theta) {
@@ -283,7 +294,7 @@ class Recorder {
     }
     const Joints theta = energized_ ? robot_.commanded_joints() : cell_.arm.home;
     pictures.lines +=
-        frame_line({row.id, image, frame.t_s, row.plan, theta,
+        frame_line({row.id, image, frame.t_s + later_s_, row.plan, theta,
                     planner_.transmission().pulses_from_joints(theta), frame.region_px});
   }
 
@@ -316,6 +327,7 @@ class Recorder {
   std::map<Purpose, int> board_rows_;
   bool board_in_field_{false};
   MayHome may_home_;
+  const double later_s_;  ///< by as much frames come later: a computer's clock begins at its start
   bool energized_{false};
   std::string place_;  ///< what is recorded now, the id of its row
   RecordReport report_;

@@ -10,6 +10,7 @@
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/tracker_table.h"
+#include "planar_servo/machine/judge/reflector_readings.h"
 
 namespace planar {
 namespace {
@@ -82,14 +83,25 @@ void add_sensor(const RecordRequest& request, const FrameRow& first, Faults& fau
        kRemedy, request.recording / "frames.csv", Cause::kForeign});
 }
 
+template <typename Readings>
+std::vector<std::string> unread_monuments(const CellSettings& cell, const Readings& readings) {
+  std::vector<std::string> unread;
+  for (const Monument& monument : cell.datum)
+    if (std::none_of(readings.begin(), readings.end(),
+                     [&](const auto& reading) { return reading.id == monument.id; }))
+      unread.push_back(monument.id);
+  return unread;
+}
+
+/// Somebody may have skipped a monument.
 void add_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
                    Faults& faults) {
-  if (readings.empty()) return;
-  for (const Monument& monument : request.cell.datum)
-    if (std::none_of(readings.begin(), readings.end(),
-                     [&](const TrackerRow& row) { return row.id == monument.id; }))
-      faults.add({fmt::format("has no reading of the monument '{}' of this cell", monument.id),
-                  kRemedy, request.recording / "tracker.csv", Cause::kForeign});
+  const std::vector<std::string> unread = unread_monuments(request.cell, readings);
+  const std::size_t all = request.cell.datum.size();
+  if (all - unread.size() >= std::min(kLeastMonuments, all)) return;
+  for (const std::string& id : unread)
+    faults.add({fmt::format("has no reading of the monument '{}' of this cell", id), kRemedy,
+                request.recording / "tracker.csv", Cause::kForeign});
 }
 
 void find_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
@@ -126,10 +138,19 @@ std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<P
 }
 
 void require_tracker(const RecordRequest& request) {
-  if (request.cell.tracker.kind->measures()) return;
   const auto needs = [](const PlanRow& row) { return needs_reading(row.plan); };
   const auto count = std::count_if(request.plan.begin(), request.plan.end(), needs);
   if (count == 0) return;
+  const std::size_t monuments = request.cell.datum.size();
+  const bool measures = request.cell.tracker.kind->measures();
+  if (measures && monuments < kLeastMonuments)
+    throw InputError({fmt::format("datum has {} monument{}, and {} row{} of the plan ask{} for a "
+                                  "tracker reading, which {} monuments tie to the base",
+                                  monuments, monuments == 1 ? "" : "s", count,
+                                  count == 1 ? "" : "s", count == 1 ? "s" : "", kLeastMonuments),
+                      "survey them and write them there, or give these rows the plan pose",
+                      request.cell.file, Cause::kMissing});
+  if (measures) return;
   const PlanRow& first = *std::find_if(request.plan.begin(), request.plan.end(), needs);
   throw InputError(
       {fmt::format("tracker.source is none, but {} row{} of the plan ask{} for a tracker reading, "
@@ -150,11 +171,17 @@ BegunRecording begun_recording(const RecordRequest& request, const std::vector<J
   const std::vector<FrameRow> frames = read_frames(request.recording);
   Faults faults;
   add_sensor(request, frames.front(), faults);
-  add_monuments(request, readings, faults);
+  if (begun.last_monuments) add_monuments(request, readings, faults);
   add_rows(request, joints, frames, faults);
   faults.throw_if_any();
-  for (const FrameRow& row : frames) begun.ids.insert(row.id);
-  begun.has_monuments = !readings.empty();
+  for (const FrameRow& row : frames) {
+    begun.ids.insert(row.id);
+    begun.last_frame_s = std::max(begun.last_frame_s.value_or(row.t_s), row.t_s);
+  }
+  begun.ends_with_board = shows_board(frames.back().plan);
+  begun.has_monuments =
+      begun.last_monuments || (!begun.first_monuments.empty() &&
+                               unread_monuments(request.cell, begun.first_monuments).empty());
   return begun;
 }
 

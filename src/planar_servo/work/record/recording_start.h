@@ -29,6 +29,8 @@ struct BegunRecording {
   std::vector<MonumentSeen> first_monuments;
   /// Those that follow the last reading of a place; none when no place was read.
   std::optional<std::vector<MonumentSeen>> last_monuments;
+  std::optional<double> last_frame_s;  ///< when its last frame was taken, by the clock of then
+  bool ends_with_board{false};         ///< its last frame shows the board
 
   bool has(const PlanRow& row) const { return ids.count(row.id) != 0; }
 };
@@ -36,7 +38,7 @@ struct BegunRecording {
 /// Returns what a recording holds. `joints` are those of the plan. Throws InputError when it was
 /// begun with another plan or another cell: a row of the plan was recorded for something else or
 /// elsewhere, its pulses are not those of this cell's drives, its images are not of this cell's
-/// sensor, or a monument of the cell was not read.
+/// sensor, or more monuments of the cell were not read than may be skipped.
 BegunRecording begun_recording(const RecordRequest& request, const std::vector<Joints>& joints);
 
 /// Throws InputError when rows that are yet to be recorded ask for views of a board that a person

@@ -195,8 +195,9 @@ std::optional<std::string> ReadyCell::examine_at_end() {
 
 /// A check that was stopped, failed or found something is made again by whoever moves next.
 std::string ReadyCell::examine() {
+  const double begun_s = clock_.now_s();
   std::string unwell = look_for_changes(!examined_s_);
-  if (unwell.empty()) examined_s_ = clock_.now_s();
+  if (unwell.empty()) examined_s_ = begun_s;
   return unwell;
 }
 

@@ -226,7 +226,7 @@ std::vector<TargetResult> run_servo(
   for (std::size_t i = 0; i < targets.size() && !run.ended_by(); ++i) {
     if (run.has(targets[i].id)) continue;
     run.move_to(targets[i]);
-    if (progress) progress(i + 1, targets.size());
+    if (progress && run.has(targets[i].id)) progress(i + 1, targets.size());
   }
   run.finish();
   return run.results();

@@ -325,6 +325,11 @@ std::optional<PathResult> PathFollower::command(Run& run) {
     if (plan.refusal)
       return PathResult{ServoStatus::kRefused, fmt::format("{:.1f} mm along the path: {}",
                                                            mm(run.along_m(now_s)), *plan.refusal)};
+  if ((here.theta - run.near).cwiseAbs().maxCoeff() > kPi ||
+      (next.theta - here.theta).cwiseAbs().maxCoeff() > kPi)
+    return PathResult{ServoStatus::kRefused,
+                      fmt::format("{:.1f} mm along the path a motor would unwind a whole turn",
+                                  mm(run.along_m(now_s)))};
   run.near = here.theta;
   const double catch_up_s = std::max(kCatchUp_s, now_s - run.commanded_s);
   run.commanded_s = now_s;
