@@ -101,6 +101,16 @@ rm cell/needle.yaml
 "$bin/planar-next" --cell cell/tools.yaml --json next.json >next.txt
 grep -q "planar-teach-tool" next.json || fail "$(cat next.txt)"
 
+# A small work, whose marks are below the lamps at its target.
+printf 'id,x_mm,y_mm,kind,size_mm,z_mm,sigma_z_mm\nA,0,0,bright_disc,4,-10,0.05\nB,40,0,bright_disc,4,-10,0.05\n' >small.csv
+cp bare_truth.yaml cell/truth.yaml
+"$bin/planar-virtual-cell" put --cell cell/cell.yaml --drawing small.csv --at 250,150,0 >/dev/null
+"${find_work[@]}" --drawing small.csv --near 250,150,0 -o small.yaml --report none >/dev/null 2>&1
+printf 'id,x_mm,y_mm,phi_deg\nA,20,0,0\n' >between.csv
+"${servo[@]}" --work small.yaml --targets between.csv --out below >out.txt 2>err.txt ||
+  fail "a work that the arm hides ended the run: $(cat out.txt err.txt)"
+grep -q ",reached," below/results.csv || fail "what the arm hides is doubted: $(cat below/results.csv)"
+
 # A work that slides while it is worked on.
 put 200,150,12 --slide 10,0.4,0,0
 "${find_work[@]}" --drawing work.csv -o slid.yaml >/dev/null 2>&1

@@ -152,8 +152,9 @@ PathRun::~PathRun() {
 const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   if (const auto unwell = cell_.examine_if_due(); unwell && !unwell->empty())
     throw WorkError(*unwell, Cause::kContradiction);
+  const auto aside = [this] { return cell_.stand_aside(); };
   if (results_.empty())
-    if (const std::string moved = works_.examine(); !moved.empty())
+    if (const std::string moved = works_.examine(aside); !moved.empty())
       throw WorkError(moved, Cause::kContradiction);
   const std::size_t first = looks_.size();
   const PathTiming timing(path_.path, speed_m_s);
@@ -165,7 +166,7 @@ const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
   result.reason = outcome.reason;
   result.seconds = outcome.duration_s;
   if (result.status == ServoStatus::kReached)
-    if (const std::string moved = works_.examine(); !moved.empty()) {
+    if (const std::string moved = works_.examine(aside); !moved.empty()) {
       result.status = ServoStatus::kDoubted;
       result.reason = moved;
     }

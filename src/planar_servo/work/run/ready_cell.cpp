@@ -8,7 +8,9 @@
 #include <variant>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/threads.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/loop/servo/motion_guard.h"
@@ -239,6 +241,22 @@ std::string ReadyCell::look_for_changes(bool first) {
     if (finding.cost_m > kTolerable_m) return "the cell is not well: " + text;
   spdlog::warn(text);
   return {};
+}
+
+bool ReadyCell::stand_aside() {
+  const CellSettings& cell = settings();
+  const Joints here = robot_.commanded_joints();
+  const Eigen::Vector2d out = robot_.arm().forward(here).p.normalized();
+  const double radius_m = 0.5 * (cell.workspace.radius_min_m + cell.workspace.radius_max_m);
+  for (const double turn_deg : {180.0, 120.0, -120.0, 90.0, -90.0}) {
+    const Eigen::Vector2d p = radius_m * rotation2d(turn_deg * kDegree) * out;
+    const JointPlan plan = planner().plan({p, cell.tool_orientation}, here);
+    if (plan.refusal) continue;
+    const auto obstacle =
+        arrive(robot_, planner(), cell.servo, plan.theta, [this] { return sensor_.fault(); });
+    if (!obstacle || !obstacle->refused) return !obstacle;
+  }
+  return false;
 }
 
 void ReadyCell::keep_lessons_if_due() {

@@ -162,6 +162,9 @@ class ReadyCell {
   const JointPlanner& planner() const { return cell_->planner; }
   Clock& clock() { return clock_; }
   PlanarRobot& robot() { return robot_; }
+  /// Takes the arm to the other side of the base, or as far aside as it may go, where it hides
+  /// nothing that was below it. Returns whether it is there.
+  bool stand_aside();
   LampTipSensor& sensor() { return sensor_; }
   PositionServo& servo() { return servo_; }
   /// Returns the accepted objections to files that do not belong together.

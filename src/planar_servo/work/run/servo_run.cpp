@@ -180,7 +180,7 @@ std::optional<std::string> ServoRun::finding(bool at_end) {
   std::optional<std::string> unwell = at_end ? cell_.examine_at_end() : cell_.examine_if_due();
   if (unwell && !unwell->empty()) return unwell;
   if (!at_end && !unwell && !works_.is_due()) return std::nullopt;
-  std::string moved = works_.examine();
+  std::string moved = works_.examine([this] { return cell_.stand_aside(); });
   if (moved.empty()) {
     work_well_until_ = results_.size();
     return unwell;

@@ -55,8 +55,14 @@ bool WorkWatch::is_due() const {
   return works_ && (!looked_s_ || clock_.now_s() - *looked_s_ > kWatchPeriod_s);
 }
 
-std::string WorkWatch::examine() {
+std::string WorkWatch::examine(const StandAside& stand_aside) {
   if (!works_) return "";
+  const std::string wrong = look();
+  return hides_all_ && stand_aside() ? look() : wrong;
+}
+
+std::string WorkWatch::look() {
+  hides_all_ = false;
   const std::vector<Frame> frames = whole_frames(camera_, kFramesOfWatch, works_->exposure_s);
   looked_s_ = clock_.now_s();
   std::string hidden;
@@ -68,7 +74,8 @@ std::string WorkWatch::examine() {
              "folder of its own";
     for (const std::string& mark : motion.hidden)
       hidden += (hidden.empty() ? "" : ", ") + (work.id.empty() ? "" : work.id + "/") + mark;
-    if (motion.hidden.size() == work.fiducials.size())
+    hides_all_ = motion.hidden.size() == work.fiducials.size();
+    if (hides_all_)
       return fmt::format(
           "no mark of the work{} is seen where it was: it was moved or taken away, or something "
           "hides it; find it again with planar-find-work",

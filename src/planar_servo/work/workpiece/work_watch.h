@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -33,17 +34,23 @@ class WorkWatch {
       : works_(std::move(works)), vision_(vision), camera_(camera), clock_(clock) {}
 
   bool is_due() const;
-  /// Looks at all works while the arm rests. Returns what is wrong, or an empty text. Logs which
-  /// marks are hidden. Throws as whole_frames() does.
-  std::string examine();
+  /// Takes the arm elsewhere and returns whether it is there.
+  using StandAside = std::function<bool()>;
+  /// Looks at all works while the arm rests. Returns what is wrong, or an empty text. Where no mark
+  /// of a work is seen, it looks again from aside: the arm may hide a small work. Logs which marks
+  /// are hidden. Throws as whole_frames() does.
+  std::string examine(const StandAside& stand_aside);
 
  private:
+  std::string look();
+
   std::shared_ptr<const LaidWorks> works_;
   const VisionCalibration& vision_;
   FrameSource& camera_;
   const Clock& clock_;
   std::optional<double> looked_s_;
-  std::string hidden_;  ///< the marks that were named last
+  std::string hidden_;     ///< the marks that were named last
+  bool hides_all_{false};  ///< of a work
 };
 
 }  // namespace planar
