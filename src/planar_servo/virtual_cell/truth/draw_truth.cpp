@@ -172,8 +172,8 @@ Pose draw_camera_pose(Random& random) {
   Pose X_BC = Pose::Identity();
   X_BC.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal() *
                   rotation_from_vector({tilt.x(), tilt.y(), roll});
-  const Eigen::Vector3d aim(random.uniform(-0.008, 0.008), random.uniform(-0.008, 0.008), 0.0);
-  X_BC.translation() = aim - distance * X_BC.linear().col(2);
+  const double y = random.uniform(-0.008, 0.008), x = random.uniform(-0.008, 0.008);
+  X_BC.translation() = Eigen::Vector3d(x, y, 0.0) - distance * X_BC.linear().col(2);
   return X_BC.inverse();
 }
 
@@ -181,7 +181,8 @@ std::vector<WarpBump> draw_bumps(Random& random, const Eigen::Vector2d& middle_p
   const double field_px = 600.0 / kMmPerPx;
   std::vector<WarpBump> bumps;
   while (bumps.size() < kBumps) {
-    const Eigen::Vector2d place(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    const double y = random.uniform(-1.0, 1.0), x = random.uniform(-1.0, 1.0);
+    const Eigen::Vector2d place(x, y);
     const double sigma_px = random.uniform(70.0, 150.0) / kMmPerPx;
     const double du_px = random.normal();
     const double dv_px = random.normal();

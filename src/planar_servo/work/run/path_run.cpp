@@ -179,13 +179,17 @@ const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
 }
 
 PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance) {
-  const PathDemand demand =
-      path_demand(cell_.planner(), path_.path, timing, cell_.robot().commanded_joints());
-  if (demand.refusal) return {ServoStatus::kRefused, *demand.refusal};
-  if (auto missed = go_to_beginning(demand, guidance)) {
+  const JointPlan start =
+      cell_.planner().plan(path_.path.at(0.0).pose, cell_.robot().commanded_joints());
+  if (start.refusal) return {ServoStatus::kRefused, *start.refusal};
+  if (auto missed = go_to_beginning(start.theta, guidance)) {
     missed->reason = "on the way to the path's beginning: " + missed->reason;
     return *missed;
   }
+  // A way round obstacles may end on another turn than the nearest: the path begins there.
+  const PathDemand demand =
+      path_demand(cell_.planner(), path_.path, timing, cell_.robot().commanded_joints());
+  if (demand.refusal) return {ServoStatus::kRefused, *demand.refusal};
   return follower_.follow(
       path_.path, timing, guidance == Guidance::kVision, [&](const PathLook& look) {
         PathLookRow row{guidance, speed_m_s, look, std::nullopt};
@@ -196,10 +200,10 @@ PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s, Gui
       });
 }
 
-std::optional<PathResult> PathRun::go_to_beginning(const PathDemand& demand, Guidance guidance) {
+std::optional<PathResult> PathRun::go_to_beginning(const Joints& start, Guidance guidance) {
   if (guidance == Guidance::kArm) {
-    const auto obstacle = arrive(cell_.robot(), cell_.planner(), cell_.settings().servo,
-                                 demand.start, [&] { return cell_.sensor().fault(); });
+    const auto obstacle = arrive(cell_.robot(), cell_.planner(), cell_.settings().servo, start,
+                                 [&] { return cell_.sensor().fault(); });
     return obstacle ? std::optional(ended_at(*obstacle)) : std::nullopt;
   }
   const ServoResult servo = cell_.servo().move_to(path_.path.at(0.0).pose);

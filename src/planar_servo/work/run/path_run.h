@@ -66,7 +66,7 @@ class PathRun {
  private:
   PathResult follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance);
   /// Brings the end point to the path's beginning. Returns why it is not there, if it is not.
-  std::optional<PathResult> go_to_beginning(const PathDemand& demand, Guidance guidance);
+  std::optional<PathResult> go_to_beginning(const Joints& start, Guidance guidance);
   /// Measures the play, which is compensated from now on. Returns why the arm is not back at the
   /// path's beginning, if it is not.
   std::optional<PathResult> find_play();

@@ -164,7 +164,6 @@ PathDemand path_demand(const JointPlanner& planner, const Path& path, const Path
     const TipPose pose = path.at(along_m).pose;
     const JointPlan plan = planner.plan(pose, theta);
     theta = plan.theta;
-    if (i == 0) demand.start = theta;
     demand.refusal = plan.refusal;
     if (!demand.refusal) demand.refusal = watch.objection(theta, demand);
     if (!demand.refusal) continue;

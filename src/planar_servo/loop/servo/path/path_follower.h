@@ -57,7 +57,6 @@ PlayProbe measure_play(PlanarRobot& robot, const JointPlanner& planner,
 /// Holds what a path demands of the motors, or why it must not be followed.
 struct PathDemand {
   std::optional<std::string> refusal;  ///< in words, with the place on the path
-  Joints start{0.0, 0.0, 0.0};         ///< joints at the path's beginning
   /// The greatest share of its speed that a motor needs, and which motor that is.
   double speed_share{0.0};
   int fastest_motor{0};  ///< counts from 0
