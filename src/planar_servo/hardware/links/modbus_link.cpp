@@ -289,10 +289,9 @@ MachineState ModbusLink::read() {
   for (std::size_t i = 0; i < 3; ++i) {
     const long status = read_value(i, map.status, "status");
     state.counts[i] = static_cast<int>(read_value(i, map.position, "position"));
-    if (map.moving.in(status)) {
-      state.moving = true;
-      turned_[i] = Clock::now();
-    }
+    state.moving = state.moving || map.moving.in(status);
+    // A late answer may tell of the status before the move.
+    if (map.moving.in(status) || state.counts[i] != here_[i]) turned_[i] = Clock::now();
     if (search_ && search_->driver == i) watch_search(status);
     state.on = state.on && (!map.on || map.on->in(status));
     if (!map.fault || !map.fault->in(status)) continue;
