@@ -24,21 +24,31 @@ Eigen::Vector2d upwards(const CellSettings& cell, const TipPose& from) {
   return (planner.arm().forward(above).p - planner.arm().forward(theta).p).normalized();
 }
 
-TEST_CASE("A path does not begin beside its beginning when the look for play breaks off") {
-  const test::TemporaryFolder folder;
-  const CellSettings cell = read_cell(test::workshop_cell_file());
-  test::HiccupCell devices(cell);
+/// A calibrated cell whose camera has hiccups, and a run on it that does not check its health.
+struct PathBench {
+  PathBench() {
+    request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
+    request.folder.path = folder / "run";
+    request.policy.checks_health = false;
+  }
+  /// Returns a line along x at 20 mm/s, by vision.
+  PathRequest line(double from_m, double to_m) const {
+    const auto at = [&](double x) { return TipPose{{x, 0.20}, cell.tool_orientation}; };
+    return {"path.csv", Path({{at(from_m)}, {at(to_m)}}), {Guidance::kVision}, {0.02}};
+  }
+
+  test::TemporaryFolder folder;
+  CellSettings cell = read_cell(test::workshop_cell_file());
+  test::HiccupCell devices{cell};
   ServoRequest request;
-  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.folder.path = folder / "run";
-  request.policy.checks_health = false;
-  const TipPose start{{0.26, 0.20}, cell.tool_orientation};
-  const PathRequest path{"path.csv",
-                         Path({{start}, {{{0.25, 0.20}, cell.tool_orientation}}}),
-                         {Guidance::kVision},
-                         {0.02}};
+};
+
+TEST_CASE("A path does not begin beside its beginning when the look for play breaks off") {
+  PathBench bench;
+  test::HiccupCell& devices = bench.devices;
+  const TipPose start{{0.26, 0.20}, bench.cell.tool_orientation};
   // The camera fails for a second when the arm, which was seen at the beginning, goes above it.
-  const Eigen::Vector2d up = upwards(cell, start);
+  const Eigen::Vector2d up = upwards(bench.cell, start);
   bool seen = false;
   std::optional<double> failed_s;
   devices.hiccup.at_frame = [&] { seen = seen || (devices.tip() - start.p).norm() < 2e-3; };
@@ -47,7 +57,8 @@ TEST_CASE("A path does not begin beside its beginning when the look for play bre
     if (seen && !failed_s && up.dot(devices.tip() - start.p) > 1e-3) failed_s = now_s;
     return failed_s && now_s < *failed_s + 1.0;
   };
-  PathRun run(request, path, devices);
+  const PathRequest path = bench.line(0.26, 0.25);
+  PathRun run(bench.request, path, devices);
   const PathSpeedResult broken_off = run.follow(0.02, Guidance::kVision);
   REQUIRE(failed_s);
   CHECK(broken_off.status == ServoStatus::kLostCamera);
@@ -61,19 +72,10 @@ TEST_CASE("A path does not begin beside its beginning when the look for play bre
 }
 
 TEST_CASE("Where a path ends by an error the arm slows down and keeps its position") {
-  const test::TemporaryFolder folder;
-  const CellSettings cell = read_cell(test::workshop_cell_file());
-  test::HiccupCell devices(cell);
-  ServoRequest request;
-  request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell));
-  request.folder.path = folder / "run";
-  request.policy.checks_health = false;
-  const PathRequest path{
-      "path.csv",
-      Path({{{{0.26, 0.20}, cell.tool_orientation}}, {{{0.20, 0.20}, cell.tool_orientation}}}),
-      {Guidance::kVision},
-      {0.02}};
-  PathRun run(request, path, devices);
+  PathBench bench;
+  test::HiccupCell& devices = bench.devices;
+  const PathRequest path = bench.line(0.26, 0.20);
+  PathRun run(bench.request, path, devices);
   devices.hiccup.at_frame = [&] {
     if (run.looks().size() > 5) throw WorkError("the disk is full", Cause::kSystem);
   };
