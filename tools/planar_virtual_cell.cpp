@@ -4,9 +4,11 @@
 #include <cstdint>
 
 #include "paper_cell.h"
+#include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/line_reader.h"
 #include "planar_servo/files/work_file.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/rehearsal/live_cell.h"
@@ -135,8 +137,12 @@ Outcome serve(const Options& options) {
                        ? fmt::format("; {} describes it as a real cell", options.live_cell.string())
                        : ""));
   tell(served.description());
-  for (LineInput input(STDIN_FILENO); !interrupted(); served.require_well())
-    for (const std::string& line : input.lines_within(kInputPeriod_s)) tell(served.obey(line));
+  for (LineReader input(STDIN_FILENO); !interrupted(); served.require_well()) {
+    if (const auto line = input.next(kInputPeriod_s))
+      tell(served.obey(*line));
+    else if (input.ended())
+      SteadyClock().sleep_for_s(kInputPeriod_s);
+  }
   return {};
 }
 

@@ -80,7 +80,8 @@ AravisSettings settings_of(const CellSettings& cell, double frame_rate_hz) {
 
 nlohmann::json throughput(const CellSettings& cell, int side_px, double asked_hz) {
   const Server server(cell);
-  AravisCamera camera(settings_of(cell, asked_hz));
+  const auto opened = open_aravis_camera(settings_of(cell, asked_hz));
+  FrameSource& camera = *opened;
   camera.set_region({0, 0, side_px, side_px});
   camera.next_frame();
   SteadyClock clock;
@@ -148,7 +149,8 @@ std::vector<double> own_part_ms(const CellSettings& cell, const Frame& frame) {
 /// and returns the rate reached.
 nlohmann::json loop_rate(const CellSettings& cell, double asked_hz, int frames) {
   const Server server(cell);
-  AravisCamera camera(settings_of(cell, asked_hz));
+  const auto opened = open_aravis_camera(settings_of(cell, asked_hz));
+  FrameSource& camera = *opened;
   LampTipSensor sensor(read_vision(cell, true), cell.lamps.method, camera,
                        cell.camera.follow_region_px);
   const PlanarArm arm(cell.arm.geometry);

@@ -29,8 +29,8 @@ constexpr double kFrameRate_hz = 100.0;
 constexpr double kQuickestWay_s = 0.008;
 
 struct Server {
-  explicit Server(test::SceneSensor& sensor)
-      : camera("127.0.0.1", "T1", kSensor, kFrameRate_hz,
+  explicit Server(test::SceneSensor& sensor, const std::string& serial = "T1")
+      : camera("127.0.0.1", serial, kSensor, kFrameRate_hz,
                [&sensor](const cv::Rect& region_px, double brightness) {
                  return sensor.expose(region_px, brightness);
                }) {}
@@ -50,7 +50,7 @@ AravisSettings settings_with(CameraTrigger trigger) {
 }
 
 /// The camera's clock is known when some frames have come quickly.
-void see_some_frames(AravisCamera& camera) {
+void see_some_frames(FrameSource& camera) {
   for (int i = 0; i < 20; ++i) REQUIRE(camera.next_frame().status == FrameStatus::kOk);
 }
 
@@ -58,7 +58,8 @@ TEST_CASE("A frame is whole, of the region asked for, and exposed after it was a
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     test::SceneSensor sensor;
     const Server server(sensor);
-    AravisCamera camera(settings_with(trigger));
+    const auto opened = open_aravis_camera(settings_with(trigger));
+    FrameSource& camera = *opened;
     see_some_frames(camera);
     const cv::Rect regions[] = {
         kWhole, {64, 32, 128, 96}, {65, 33, 128, 96}, {192, 144, 128, 96}, kWhole};
@@ -82,7 +83,8 @@ TEST_CASE("A frame is whole, of the region asked for, and exposed after it was a
 TEST_CASE("A frame that comes late is dated by its own trigger") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   camera.set_region({0, 0, 64, 64});
   sensor.delay_s = 0.2;  // longer than any frame takes
   for (int i = 0; i < 5; ++i) {
@@ -97,7 +99,8 @@ constexpr double kHeldBack_s = 0.2;
 TEST_CASE("A frame exposed before it was asked for is not handed over, however late it comes") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kFreeRun));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kFreeRun));
+  FrameSource& camera = *opened;
   see_some_frames(camera);
   for (int i = 0; i < 5; ++i) {
     sensor.delay_s = kHeldBack_s;
@@ -114,7 +117,8 @@ TEST_CASE("The frame that follows may have been exposed before it was asked for"
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     test::SceneSensor sensor;
     const Server server(sensor);
-    AravisCamera camera(settings_with(trigger));
+    const auto opened = open_aravis_camera(settings_with(trigger));
+    FrameSource& camera = *opened;
     const FrameResult first = camera.next_frame();
     REQUIRE(first.status == FrameStatus::kOk);
     REQUIRE(test::in_the_end([&] { return camera.counts().complete > 20; }));
@@ -130,7 +134,8 @@ TEST_CASE("The frame that follows may have been exposed before it was asked for"
 TEST_CASE("Frames keep coming when the camera's count of 16 bits wraps around") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   camera.set_region({0, 0, 64, 64});
   bool wrapped = false;
   std::uint64_t last = 0;
@@ -149,7 +154,8 @@ TEST_CASE("Exposure time and gain reach the sensor") {
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);
   settings.exposure_s = 0.005;  // half the usual
   settings.gain_db = 6.0;
-  AravisCamera camera(settings);
+  const auto opened = open_aravis_camera(settings);
+  FrameSource& camera = *opened;
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
   CHECK(sensor.brightness() == Approx(0.5 * std::pow(10.0, 0.3)));
 }
@@ -158,7 +164,8 @@ TEST_CASE("A new exposure holds for the next frame, an impossible one leaves the
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     test::SceneSensor sensor;
     const Server server(sensor);
-    AravisCamera camera(settings_with(trigger));
+    const auto opened = open_aravis_camera(settings_with(trigger));
+    FrameSource& camera = *opened;
     camera.set_exposure({0.004, 6.0});
     REQUIRE(camera.next_frame().status == FrameStatus::kOk);
     CHECK(sensor.brightness() == Approx(0.4 * std::pow(10.0, 0.3)));
@@ -172,7 +179,8 @@ TEST_CASE("A new exposure holds for the next frame, an impossible one leaves the
 TEST_CASE("A camera that refuses an exposure says what it can do, and keeps the old one") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
   const double brightness = sensor.brightness();
   CHECK_THROWS_MATCHES(camera.set_exposure({1e-6, 0.0}), WorkError,
@@ -192,7 +200,8 @@ TEST_CASE("Frames that lost packets are counted and never handed over") {
     Server server(sensor);
     AravisSettings settings = settings_with(trigger);
     settings.packet_size = 1500;  // 54 packets a frame
-    AravisCamera camera(settings);
+    const auto opened = open_aravis_camera(settings);
+    FrameSource& camera = *opened;
     server.camera.lose_packets(0.02);
     int good = 0;
     for (int i = 0; i < 20; ++i) {
@@ -214,7 +223,8 @@ TEST_CASE("Frames that lost packets are counted and never handed over") {
 TEST_CASE("A camera that repeats one picture is at fault until it shows another") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
   sensor.frozen = true;
   camera.next_frame();  // the picture may not have been sent before
@@ -231,7 +241,8 @@ TEST_CASE("A camera that died and came back keeps its settings and its region") 
   auto server = std::make_unique<Server>(sensor);
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);
   settings.exposure_s = 0.005;
-  AravisCamera camera(settings);
+  const auto opened = open_aravis_camera(settings);
+  FrameSource& camera = *opened;
   const cv::Rect region{32, 16, 64, 64};
   camera.set_region(region);
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
@@ -247,11 +258,35 @@ TEST_CASE("A camera that died and came back keeps its settings and its region") 
   CHECK(camera.counts().reopened == 1);
 }
 
+TEST_CASE("A lost camera refuses an exposure, and no other is taken for it") {
+  test::SceneSensor sensor;
+  auto server = std::make_unique<Server>(sensor);
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
+  REQUIRE(camera.next_frame().status == FrameStatus::kOk);
+  server.reset();
+  const auto says = [&](const char* words) {
+    return test::in_the_end(
+        [&] { return camera.fault().value_or("").find(words) != std::string::npos; });
+  };
+  REQUIRE(says("is lost"));
+  CHECK_THROWS_MATCHES(camera.set_exposure({0.004, 6.0}), WorkError,
+                       Refused(Cause::kDevice, "the camera is lost"));
+  CHECK(camera.exposure().gain_db == 0.0);
+  server = std::make_unique<Server>(sensor, "T2");
+  CHECK(says("has the serial number T2, not T1"));
+  CHECK(camera.next_frame().status == FrameStatus::kLost);
+  server.reset();
+  server = std::make_unique<Server>(sensor);
+  CHECK(test::in_the_end([&] { return !camera.fault(); }));
+}
+
 TEST_CASE(
     "A camera that answers but whose frames do not arrive is back with its first frame only") {
   test::SceneSensor sensor;
   Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
   server.camera.lose_packets(1.0);
   CHECK(test::in_the_end([&] {
@@ -270,7 +305,8 @@ TEST_CASE(
 TEST_CASE("Frames that take longer than a lost one would are waited for") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   sensor.pace_s = 0.8;
   for (int i = 0; i < 2; ++i)
     CHECK(test::in_the_end([&] { return camera.next_frame().status == FrameStatus::kOk; }));
@@ -283,59 +319,63 @@ TEST_CASE("Without its trigger a camera times out and is at fault") {
   const Server server(sensor);
   AravisSettings settings = settings_with(CameraTrigger::kHardware);
   settings.timeout_s = 0.05;
-  AravisCamera camera(settings);  // the served camera's line never rises
+  const auto opened = open_aravis_camera(settings);  // the served camera's line never rises
+  FrameSource& camera = *opened;
   CHECK(camera.next_frame().status == FrameStatus::kTimeout);
   CHECK(test::in_the_end([&] { return camera.fault().has_value(); }));
 }
 
 TEST_CASE("A camera that is not the one asked for is refused by name") {
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);
-  CHECK_THROWS_MATCHES(AravisCamera(settings), WorkError, Refused(Cause::kDevice, "127.0.0.1"));
+  CHECK_THROWS_MATCHES(open_aravis_camera(settings), WorkError,
+                       Refused(Cause::kDevice, "127.0.0.1"));
   test::SceneSensor sensor;
   const Server server(sensor);
   settings.id = "T2";
-  CHECK_THROWS_MATCHES(AravisCamera(settings), WorkError, Refused(Cause::kForeign, "T1, not T2"));
+  CHECK_THROWS_MATCHES(open_aravis_camera(settings), WorkError,
+                       Refused(Cause::kForeign, "T1, not T2"));
   settings.id = "T1";
   settings.sensor_px = {640, 480};
-  CHECK_THROWS_MATCHES(AravisCamera(settings), WorkError,
+  CHECK_THROWS_MATCHES(open_aravis_camera(settings), WorkError,
                        Refused(Cause::kContradiction, "640 x 480"));
 }
 
 TEST_CASE("A camera obeys one program at a time, and the next as soon as that one is gone") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  auto first = std::make_unique<AravisCamera>(settings_with(CameraTrigger::kSoftware));
-  CHECK_THROWS_MATCHES(AravisCamera(settings_with(CameraTrigger::kSoftware)), WorkError,
+  auto first = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  CHECK_THROWS_MATCHES(open_aravis_camera(settings_with(CameraTrigger::kSoftware)), WorkError,
                        Refused(Cause::kBusy, "127.0.0.1"));
   std::thread leaving([&] {
     SteadyClock().sleep_for_s(0.5);
     first.reset();
   });
-  AravisCamera next(settings_with(CameraTrigger::kSoftware));
+  const auto next = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
   leaving.join();
-  CHECK(next.next_frame().status == FrameStatus::kOk);
+  CHECK(next->next_frame().status == FrameStatus::kOk);
 }
 
 TEST_CASE("What a camera cannot do is said when it is opened") {
   test::SceneSensor sensor;
   const Server server(sensor);
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);
-  settings.pixel_format = "Mono12p";
-  CHECK_THROWS_MATCHES(AravisCamera(settings), WorkError, Refused(Cause::kDevice, "Mono12p"));
-  settings.pixel_format = "Grey";
-  CHECK_THROWS_AS(AravisCamera(settings), InputError);
+  settings.pixel_format = PixelFormat::kMono12p;
+  CHECK_THROWS_MATCHES(open_aravis_camera(settings), WorkError, Refused(Cause::kDevice, "Mono12p"));
   settings = settings_with(CameraTrigger::kSoftware);
   settings.exposure_s = 0.02;
-  CHECK_THROWS_MATCHES(AravisCamera(settings), InputError, Refused(Cause::kInvalid, "20000 us"));
+  CHECK_THROWS_MATCHES(open_aravis_camera(settings), InputError,
+                       Refused(Cause::kInvalid, "20000 us"));
   settings = settings_with(CameraTrigger::kSoftware);
   settings.address = "localhost";
-  CHECK_THROWS_MATCHES(AravisCamera(settings), InputError, Refused(Cause::kInvalid, "'localhost'"));
+  CHECK_THROWS_MATCHES(open_aravis_camera(settings), InputError,
+                       Refused(Cause::kInvalid, "'localhost'"));
 }
 
 TEST_CASE("A region must lie on the sensor") {
   test::SceneSensor sensor;
   const Server server(sensor);
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   CHECK_THROWS_AS(camera.set_region({300, 0, 64, 64}), std::invalid_argument);
   CHECK_THROWS_AS(camera.set_region({0, 0, 0, 64}), std::invalid_argument);
 }

@@ -71,14 +71,15 @@ AravisSettings settings_with(CameraTrigger trigger) {
 }
 
 /// The camera's clock is known when some frames have come quickly.
-void see_some_frames(AravisCamera& camera) {
+void see_some_frames(FrameSource& camera) {
   for (int i = 0; i < 20; ++i) REQUIRE(camera.next_frame().status == FrameStatus::kOk);
 }
 
 TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after it was asked") {
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kSoftware}) {
     PluggedCamera plugged;
-    AravisCamera camera(settings_with(trigger));
+    const auto opened = open_aravis_camera(settings_with(trigger));
+    FrameSource& camera = *opened;
     see_some_frames(camera);
     for (const cv::Rect& region : {kWhole, cv::Rect(64, 32, 128, 96), cv::Rect(65, 33, 128, 96)}) {
       camera.set_region(region);
@@ -96,12 +97,13 @@ TEST_CASE("A frame over USB is whole, of the region asked for, and exposed after
 }
 
 TEST_CASE("Every grey format arrives with the upper eight bits of its pixels") {
-  for (const std::string& format : pixel_format_names()) {
-    CAPTURE(format);
+  for (const auto& [format, name] : kPixelFormats) {
+    CAPTURE(name);
     PluggedCamera plugged;
     AravisSettings settings = settings_with(CameraTrigger::kSoftware);
     settings.pixel_format = format;
-    AravisCamera camera(settings);
+    const auto opened = open_aravis_camera(settings);
+    FrameSource& camera = *opened;
     for (const cv::Rect& region : {kWhole, cv::Rect(64, 32, 128, 96)}) {
       camera.set_region(region);
       const FrameResult result = camera.next_frame();
@@ -113,7 +115,8 @@ TEST_CASE("Every grey format arrives with the upper eight bits of its pixels") {
 
 TEST_CASE("Each pulse of the trigger line brings one frame, its absence is a fault") {
   PluggedCamera plugged;
-  AravisCamera camera(settings_with(CameraTrigger::kHardware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kHardware));
+  FrameSource& camera = *opened;
   Pulses pulses(plugged.function);
   for (int i = 0; i < 5; ++i) {
     const double asked_s = SteadyClock().now_s();
@@ -136,7 +139,8 @@ TEST_CASE("A frame over USB exposed before it was asked for is not handed over, 
   for (const CameraTrigger trigger : {CameraTrigger::kFreeRun, CameraTrigger::kHardware}) {
     PluggedCamera plugged;
     const Pulses pulses(plugged.function);  // heeded where they are the trigger
-    AravisCamera camera(settings_with(trigger));
+    const auto opened = open_aravis_camera(settings_with(trigger));
+    FrameSource& camera = *opened;
     see_some_frames(camera);
     for (int i = 0; i < 5; ++i) {
       plugged.sensor.delay_s = kHeldBack_s;
@@ -154,7 +158,8 @@ TEST_CASE("A camera whose clock is of no use is dated by its frames' arrival") {
   for (const double rate : {0.0, 0.5, 8.0}) {
     PluggedCamera plugged;
     plugged.function.run_clock(rate);
-    AravisCamera camera(settings_with(CameraTrigger::kFreeRun));
+    const auto opened = open_aravis_camera(settings_with(CameraTrigger::kFreeRun));
+    FrameSource& camera = *opened;
     for (int i = 0; i < 20; ++i) {
       const double asked_s = SteadyClock().now_s();
       const FrameResult result = camera.next_frame();
@@ -167,7 +172,8 @@ TEST_CASE("A camera whose clock is of no use is dated by its frames' arrival") {
 
 TEST_CASE("Frames over USB without their end are counted and never handed over") {
   PluggedCamera plugged;
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
   plugged.function.truncate_payloads(3);
   for (int i = 0; i < 5; ++i) {
@@ -192,7 +198,8 @@ TEST_CASE("A camera that was unplugged and plugged in again keeps its settings")
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);
   settings.id = "U3V1";
   settings.exposure_s = 0.005;  // half the usual
-  AravisCamera camera(settings);
+  const auto opened = open_aravis_camera(settings);
+  FrameSource& camera = *opened;
   const cv::Rect region{32, 16, 64, 64};
   camera.set_region(region);
   REQUIRE(camera.next_frame().status == FrameStatus::kOk);
@@ -214,7 +221,21 @@ TEST_CASE("A USB camera that is not there is missed by its serial number, those 
   AravisSettings settings = settings_with(CameraTrigger::kSoftware);
   settings.id = "U3V2";
   for (const char* serial : {"U3V2", "U3V1"})
-    CHECK_THROWS_MATCHES(AravisCamera(settings), WorkError, Refused(Cause::kMissing, serial));
+    CHECK_THROWS_MATCHES(open_aravis_camera(settings), WorkError, Refused(Cause::kMissing, serial));
+}
+
+TEST_CASE("A USB camera may write its serial number otherwise than the bus, as some makers do") {
+  test::SceneSensor sensor;
+  test::Usb3Camera function("20497219", kSensor, kFrameRate_hz,
+                            [&](const cv::Rect& region_px, double brightness) {
+                              return sensor.expose(region_px, brightness);
+                            });
+  test::UsbDescription description = function.description();
+  description.strings[2] = "0138C343";
+  const test::MockUsbDevice device(shared_bus(), description, function);
+  AravisSettings settings = settings_with(CameraTrigger::kSoftware);
+  settings.id = description.strings[2];
+  CHECK(open_aravis_camera(settings)->next_frame().status == FrameStatus::kOk);
 }
 
 TEST_CASE("A USB camera is found in /sys, and an inspection counts its frames") {
@@ -258,7 +279,8 @@ TEST_CASE("A camera that keeps its gamma is refused with what to do") {
 
 TEST_CASE("A setting that another program changes is named, and set again") {
   PluggedCamera plugged;
-  AravisCamera camera(settings_with(CameraTrigger::kSoftware));
+  const auto opened = open_aravis_camera(settings_with(CameraTrigger::kSoftware));
+  FrameSource& camera = *opened;
   see_some_frames(camera);
   const auto features = camera.features();
   const auto gamma = std::find(features.begin(), features.end(),

@@ -173,6 +173,11 @@ TEST_CASE("One search finds the switches of all joints, each of which is then ho
   drives.start_homing(0, HomeDirection::kReverse);
   CHECK(drives.status()[0].position_certain);
   CHECK(bench.board.shafts() == found);
+  drives.set_position(2, 700);  // from now on it is not counted from its switch
+  drives.start_homing(2, HomeDirection::kReverse);
+  CHECK(drives.status()[2].homing);
+  REQUIRE(eventually([&] { return !drives.status()[2].homing; }));
+  CHECK(drives.status()[2].position_pulses == 0);
 }
 
 TEST_CASE("A search that is halted ends at once, and nothing is certain") {
@@ -236,6 +241,22 @@ TEST_CASE("A board that starts slowly, and says so, is waited for") {
     bench.board.be_silent(false);
   });
   CHECK_NOTHROW(GrblDrives(bench.settings));
+  board.join();
+}
+
+TEST_CASE("A board that talks and never tells its settings is not waited for without end") {
+  GrblBench bench;
+  bench.board.be_silent(true);
+  std::atomic<bool> ending{false};
+  std::thread board([&] {
+    for (int i = 0; !ending; ++i) {
+      const bool greets = i < 100 && i % 20 == 0;
+      bench.board.say(greets ? "Grbl 1.1h ['$' for help]\r\n" : "[MSG:Caution]\r\n");
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  });
+  CHECK_THROWS_MATCHES(GrblDrives(bench.settings), DriveError, Refused(Cause::kDevice, "settings"));
+  ending = true;
   board.join();
 }
 

@@ -39,7 +39,8 @@ TEST_CASE("A place off the way is believed when the next report is off it, too")
   board.report({0, 91, 0});
   CHECK(board.watch.here() == AxisPulses(0, 91, 0));
   CHECK_FALSE(board.watch.on_way());
-  CHECK(board.watch.off_way_words().find("0, 91, 0 pulses instead of 0 to 0") != std::string::npos);
+  CHECK(board.watch.off_way_words().find("0, 91, 0 pulses instead of between 0, ") !=
+        std::string::npos);
 }
 
 TEST_CASE("After the way was forgotten, the next place is believed") {

@@ -3,10 +3,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 
 #include "planar_servo/base/core/clock.h"
+#include "planar_servo/hardware/robot/planar_robot.h"
 #include "support/link_bench.h"
 #include "support/refused.h"
 
@@ -112,6 +114,38 @@ TEST_CASE("Counts that change at rest without an order make all positions uncert
     CHECK_THROWS_MATCHES(drives.set_targets({0, 0, 0}), DriveError,
                          Refused(Cause::kDevice, "drive 1"));
   }
+}
+
+TEST_CASE("A place beyond 32 bits of the machine's counts is refused, and no other taken for it") {
+  Script script;
+  constexpr int kMost = std::numeric_limits<int>::max();
+  script.state.counts = Pulses(kMost - 500, -1, 0);
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  CHECK_THROWS_MATCHES(drives.set_targets({1000, 0, 0}), DriveError,
+                       Refused(Cause::kUnreachable, "drive 1 would count 2147484147"));
+  CHECK(script.moves_told == 0);
+  CHECK_THROWS_MATCHES(drives.set_position(0, -1000), DriveError,
+                       Refused(Cause::kUnreachable, "drive 1"));
+  CHECK(drives.status()[0].position_certain);
+  script.state.counts[1] = kMost;  // so far from where it rested that the difference is no int
+  CHECK_FALSE(drives.status()[1].position_certain);
+}
+
+TEST_CASE("A machine that is out of touch stands nowhere") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  TransmissionSettings settings;
+  for (auto& motor : settings.drives) motor = {1000.0, 1.0, 1, 1.0, 1.0};
+  settings.limits_rad.fill({-1.0, 1.0});
+  SteadyClock clock;
+  PlanarRobot robot(PlanarArm({{0.3, 0.25}, Rotation::kClockwise}), Transmission(settings), drives,
+                    clock);
+  CHECK(robot.known_pulses() == Pulses(0, 0, 0));
+  script.is_gone = true;
+  CHECK_THROWS_AS(robot.present_joints(), DriveError);
+  CHECK_FALSE(robot.known_pulses());
 }
 
 TEST_CASE("A machine that moves unasked is uncertain, also when it is switched on meanwhile") {

@@ -47,7 +47,7 @@ class EmulatedRsh {
   void begin() {
     thread_ = std::thread([this] { serve(); });
   }
-  /// Says this from now on.
+  /// Says this from now on; as "", whole lines before each answer.
   void say(const std::string& what, const std::string& value) {
     const std::lock_guard<std::mutex> lock(mutex_);
     says_[what] = value;
@@ -111,7 +111,7 @@ class EmulatedRsh {
     std::string name = what.substr(0, what.find(' '));
     if (line.rfind("hello", 0) == 0) return "HELLO ACK EMCNETSVR 1.1\r\n";
     if (line == "set echo off") return "";
-    if (line.rfind("get", 0) == 0) return name + " " + says_[what] + "\r\n";
+    if (line.rfind("get", 0) == 0) return says_[""] + name + " " + says_[what] + "\r\n";
     if (name == "home" && homes) {
       says_["joint_homed " + what.substr(what.size() - 1)] = "0 YES";
       says_["joint_pos"] = "5 5 5";
@@ -168,6 +168,15 @@ TEST_CASE("Joints that LinuxCNC homes where they stand have lost their positions
     LinkedDrives drives = rsh.drives();
     CHECK_THROWS_MATCHES(drives.energize(), DriveError, Refused(Cause::kDevice, "joint 1"));
   }
+}
+
+TEST_CASE("LinuxCNC's late answers to other lines are passed over") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  RshConnection connection(rsh.host);
+  rsh.say("", "SET ENABLE ACK\r\nSET ABORT ACK\r\n");
+  CHECK(connection.get("enable") == "ON");
+  CHECK(connection.get("estop") == "OFF");
 }
 
 TEST_CASE("A move of LinuxCNC says every mode that another client may have set") {

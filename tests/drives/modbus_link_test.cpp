@@ -263,11 +263,17 @@ TEST_CASE("A stop reaches the other drivers where one does not answer it") {
   REQUIRE_PYMODBUS();
   const test::TemporaryFolder folder;
   const auto shafts = folder / "shafts";
-  const Bus bus(
+  Bus bus(
       {"--mute-moving", "1", "--after", "0.2", "--shafts", shafts.string(), "--at", "70000,0,0"});
+  bus.line.answer_s = 0.3;
+  const bool broadcasts = GENERATE(true, false);
+  if (!broadcasts) {
+    bus.line.map.move.push_back(*bus.line.map.start);
+    bus.line.map.start.reset();
+  }
   LinkedDrives drives = bus.drives();
   make_ready(drives);
-  drives.set_targets({30000, 30000, -30000});
+  drives.set_targets({50000, 50000, -50000});
   SteadyClock clock;
   clock.sleep_for_s(0.3);
   CHECK_THROWS_MATCHES(drives.halt(), DriveError, Refused(Cause::kDevice, "drive 1 (address 1)"));
@@ -277,8 +283,9 @@ TEST_CASE("A stop reaches the other drivers where one does not answer it") {
     clock.sleep_for_s(0.1);
     return std::exchange(before, seen) == seen && seen == last_counts(shafts);
   }));
-  CHECK((before[1] > 0 && before[1] < 30000));
-  CHECK((before[2] < 0 && before[2] > -30000));
+  constexpr int kOneAnswer = 18000;  // 0.3 s until the halt, 0.3 s for an answer, and braking
+  CHECK((before[1] > 0 && before[1] < kOneAnswer));
+  CHECK((before[2] < 0 && before[2] > -kOneAnswer));
 }
 
 TEST_CASE("Words in the other order are refused before a move of 65,536 counts") {
@@ -291,6 +298,9 @@ TEST_CASE("Words in the other order are refused before a move of 65,536 counts")
     const Bus bus({"--low-first"});
     LinkedDrives drives = bus.drives();
     make_ready(drives);
+    drives.set_targets({9000, -100, 0});
+    REQUIRE(test::eventually([&] { return !drives.status()[0].answers; }));
+    CHECK_FALSE(drives.status()[0].position_certain);
     CHECK_THROWS_MATCHES(drives.set_targets({9000, -100, 0}), DriveError,
                          Refused(Cause::kContradiction, "drive 1 (address 1)"));
     ModbusLine other = bus.line;
@@ -307,6 +317,22 @@ TEST_CASE("Words in the other order are refused before a move of 65,536 counts")
     REQUIRE(all_rest(drives));
     CHECK(positions(drives) == Targets{100, 100, 100});
   }
+}
+
+TEST_CASE("A stop is obeyed while a driver still shows the order of its words") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({"--deaf-to-start"});  // which is waited for, for a second
+  LinkedDrives drives = bus.drives();
+  make_ready(drives);
+  const SteadyClock clock;
+  const double begun_s = clock.now_s();
+  drives.set_targets({9000, 0, 0});
+  CHECK(drives.status()[0].moving);
+  drives.halt();
+  CHECK(clock.now_s() - begun_s < 0.5);
+  CHECK_FALSE(drives.status()[0].moving);
+  CHECK(drives.status()[0].position_certain);
+  CHECK(positions(drives) == Targets{0, 0, 0});
 }
 
 TEST_CASE("Drivers that do not begin are seen to rest elsewhere") {

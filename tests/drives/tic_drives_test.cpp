@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <string>
 #include <thread>
 
 #include "support/eventually.h"
@@ -62,6 +63,10 @@ TEST_CASE("Drives that cannot be used are all named, with what mends them") {
                     Contains("drive 1 (00499999): no Tic") && Contains("00422222, 00411111") &&
                         Contains("drive 2 (00422222): its control mode is 1") &&
                         Contains("drive 3 (00433333): its safe start"));
+  CHECK_THROWS_MATCHES(TicDrives(bench.settings), DriveError, Refused(Cause::kDevice));
+  for (std::size_t i = 1; i < 3; ++i) bench.settings[i].serial = "0049999" + std::to_string(i);
+  CHECK_THROWS_MATCHES(TicDrives(bench.settings), DriveError,
+                       Refused(Cause::kMissing, "drive 3 (00499992): no Tic"));
 }
 
 TEST_CASE("Firmware that cannot search for a switch is refused") {
@@ -70,7 +75,7 @@ TEST_CASE("Firmware that cannot search for a switch is refused") {
   MockUsbDevice old(bench.bus, EmulatedTic::description("00400001", 0x00cb, 0x0105), bench.tics[1]);
   bench.settings[1].serial = "00400001";
   CHECK_THROWS_MATCHES(TicDrives(bench.settings), DriveError,
-                       Refused(Cause::kDevice, "firmware 1.05"));
+                       Refused(Cause::kForeign, "firmware 1.05"));
 }
 
 TEST_CASE("Two joints cannot have the same drive") {
@@ -193,6 +198,33 @@ TEST_CASE("A drive that was stopped does not resume its old move when it is swit
   CHECK(ready.drives.status()[0].energized);
   sleep_s(kShortTimeout_s);
   CHECK(bench.tics[0].shaft_pulses() == stopped_at);
+}
+
+TEST_CASE("A drive that does not tell where it stands is not switched on: it would go elsewhere") {
+  TicBench bench;
+  ReadyDrives ready(bench);
+  ready.drives.set_targets({3900, 0, 0});
+  CHECK(eventually([&] { return ready.drives.status()[0].position_pulses > 100; }));
+  sleep_s(0.1);
+  ready.drives.halt();
+  const std::int32_t stopped_at = bench.tics[0].shaft_pulses();
+  bench.devices[0].inject({test::UsbFault::Kind::kStall});
+  CHECK_THROWS_MATCHES(ready.drives.energize(), DriveError,
+                       Refused(Cause::kDevice, "drive 1 (00411111) cannot be told to switch on"));
+  sleep_s(0.2);
+  CHECK(bench.tics[0].shaft_pulses() == stopped_at);
+}
+
+TEST_CASE("A stop by hand before the program began does not count") {
+  TicBench bench;
+  { const TicDrives before(bench.settings); }
+  bench.tics[2].press_kill_switch(true);
+  bench.tics[2].press_kill_switch(false);
+  TicDrives drives(bench.settings);
+  CHECK_FALSE(drives.status()[2].stopped_by_hand);
+  drives.energize();
+  CHECK(drives.status()[2].energized);
+  CHECK(drives.status()[2].faults.empty());
 }
 
 TEST_CASE("Destruction halts what moves") {

@@ -166,6 +166,16 @@ TEST_CASE("A low supply and a kill switch halt all drives until they are gone") 
   bench.check_recovery(true);
 }
 
+TEST_CASE("A kill switch that nobody saw pressed stops the arm until a person switches it on") {
+  RobotBench bench;
+  bench.robot.move_to(kNear);
+  bench.tics[2].press_kill_switch(true);
+  bench.tics[2].press_kill_switch(false);
+  CHECK_THROWS_MATCHES(bench.robot.recover(kPatience_s), StoppedByHand,
+                       Refused(Cause::kStopped, "kill switch active for a moment"));
+  bench.check_recovery(true);
+}
+
 TEST_CASE("A drive that had no power for a moment has to be homed, the others keep their place") {
   RobotBench bench;
   bench.robot.move_to(kNear);

@@ -65,6 +65,19 @@ TEST_CASE("Error bits are explained in words, and being switched off is no error
   CHECK(StatusBlock(bytes).faults() == std::vector<std::string>{"its ERR line is high"});
 }
 
+TEST_CASE("A stop by hand that has passed is a fault until errors are cleared, no other error is") {
+  auto bytes = at_rest();
+  bytes[0x04] = 0xfe;
+  const DriveStatus status = StatusBlock(bytes).drive_status();
+  CHECK(status.stopped_by_hand);
+  CHECK(status.faults == std::vector<std::string>{"low supply voltage for a moment",
+                                                  "kill switch active for a moment"});
+  CHECK(StatusBlock(bytes).standing_faults().empty());
+  bytes[0x04] = 0xf2;
+  CHECK_FALSE(StatusBlock(bytes).drive_status().stopped_by_hand);
+  CHECK(StatusBlock(bytes).faults().empty());
+}
+
 TEST_CASE("A limit switch is a fault only where it stands in the way") {
   auto away = going_down();
   away[0x01] |= 4;

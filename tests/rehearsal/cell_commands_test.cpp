@@ -1,7 +1,5 @@
 #include "planar_servo/machine/rehearsal/live_cell.h"
 
-#include <unistd.h>
-
 #include <array>
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
@@ -83,21 +81,6 @@ TEST_CASE("A command that is not understood is answered with what is allowed") {
     CHECK(answer.rfind("not understood: '" + std::string(line) + "'", 0) == 0);
     CHECK(answer.find(kCellCommands) != std::string::npos);
   }
-}
-
-TEST_CASE("Lines are heard whole, and an input that has ended only waits") {
-  std::array<int, 2> ends{};
-  REQUIRE(pipe(ends.data()) == 0);
-  LineInput input(ends[0]);
-  CHECK(input.lines_within(0.0).empty());
-  REQUIRE(write(ends[1], "one\ntw", 6) == 6);
-  CHECK(input.lines_within(1.0) == std::vector<std::string>{"one"});
-  REQUIRE(write(ends[1], "o\n", 2) == 2);
-  close(ends[1]);
-  CHECK(input.lines_within(1.0) == std::vector<std::string>{"two"});
-  CHECK(input.lines_within(0.0).empty());
-  CHECK(input.lines_within(0.001).empty());
-  close(ends[0]);
 }
 
 }  // namespace

@@ -51,7 +51,8 @@ TEST_CASE("A served camera shows the lamps where the cell's own camera sees them
   settings.trigger = CameraTrigger::kSoftware;
   settings.packet_size = 9000;
   settings.timeout_s = 5.0;
-  AravisCamera camera(settings);
+  const auto opened = open_aravis_camera(settings);
+  FrameSource& camera = *opened;
   const LampPair seen = lamps_in(own.camera().next_frame().frame);
   REQUIRE(seen.status == LampStatus::kAmbiguous);  // equal lamps, nothing says which is which
   const Eigen::Vector2d middle = (seen.lamps[0].uv_px + seen.lamps[1].uv_px) / 2.0;

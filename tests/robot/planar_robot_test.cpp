@@ -341,6 +341,14 @@ TEST_CASE("Recovery waits until the fault is gone, and gives up after its patien
   CHECK_NOTHROW(bench.robot.move_to(kSomewhere));
 }
 
+TEST_CASE("A stop ends the wait for a lost drive at once") {
+  ReadyBench bench;
+  bench.drives[2].fault = "low supply voltage";
+  bench.robot.stop_when([&] { return bench.clock.now_s() > 0.35; });  // in the pause of 0.4 s
+  CHECK_THROWS_AS(bench.robot.recover(3.0), StopRequested);
+  CHECK(bench.clock.now_s() < 0.37);
+}
+
 TEST_CASE("A stop by hand lasts until a person switches the arm on, even if it is gone before") {
   ReadyBench bench;
   bench.drives[0].fault_on_the_way = "its link is down";

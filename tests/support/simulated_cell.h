@@ -9,7 +9,7 @@
 #include <string>
 
 #include "planar_servo/base/devices/drive_group.h"
-#include "planar_servo/loop/servo/tip_sensor.h"
+#include "planar_servo/loop/servo/servo_result.h"
 #include "support/manual_clock.h"
 #include "support/mock_pulse_drive.h"
 

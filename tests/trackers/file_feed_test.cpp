@@ -1,5 +1,7 @@
 #include "planar_servo/machine/trackers/line_feeds.h"
 
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -64,6 +66,15 @@ TEST_CASE("A file that is written anew is read from its beginning") {
   std::filesystem::remove(file);
   CHECK_FALSE(stream.next(0.2));
   CHECK_THAT(stream.loss(), Contains("cannot be opened: No such file"));
+}
+
+TEST_CASE("A pipe in place of the file is not waited for, and is said not to be readable") {
+  const test::TemporaryFolder folder;
+  const auto pipe = folder / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), S_IRUSR | S_IWUSR) == 0);
+  ReadingStream stream("pipe", kNamed);
+  const FileFeed feed(pipe, stream);
+  CHECK_THAT(stream.loss(), Contains("cannot be read: "));
 }
 
 TEST_CASE("A file that is not there is named with the remedy") {

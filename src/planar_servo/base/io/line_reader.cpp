@@ -12,7 +12,6 @@ namespace planar {
 namespace {
 
 using SteadyTime = std::chrono::steady_clock;
-constexpr std::size_t kLongestLine = 1000;
 constexpr char kLineEnds[] = "\r\n";
 
 double left_s(SteadyTime::time_point until) {
@@ -41,6 +40,7 @@ bool LineReader::hear(double patience_s) {
   if (ended_ || !readable_within(descriptor_, patience_s)) return false;
   char bytes[1024];
   const ssize_t count = ::read(descriptor_, bytes, sizeof bytes);
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return patience_s > 0.0;
   ended_ = count <= 0;
   if (!ended_) heard_.append(bytes, static_cast<std::size_t>(count));
   heard_.erase(0, heard_.find_first_not_of(kLineEnds));
@@ -50,21 +50,18 @@ bool LineReader::hear(double patience_s) {
 std::optional<std::string> LineReader::next(double patience_s) {
   const auto until = after(patience_s);
   for (;;) {
-    if (const auto end = heard_.find_first_of(kLineEnds); end != heard_.npos) {
+    const auto end = heard_.find_first_of(kLineEnds);
+    if (end != heard_.npos || heard_.size() >= kLongest) {
       std::string line = heard_.substr(0, end);
       heard_.erase(0, heard_.find_first_not_of(kLineEnds, end));
       return line;
     }
-    if (is_endless() || !hear(std::max(0.0, left_s(until)))) return std::nullopt;
+    if (!hear(std::max(0.0, left_s(until)))) return std::nullopt;
   }
 }
 
 bool LineReader::has_more() {
   return !heard_.empty() || (hear(0.0) && !heard_.empty());
-}
-
-bool LineReader::is_endless() const {
-  return heard_.size() > kLongestLine && heard_.find_first_of(kLineEnds) == heard_.npos;
 }
 
 }  // namespace planar

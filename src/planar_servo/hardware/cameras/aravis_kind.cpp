@@ -43,8 +43,7 @@ cv::Mat grab(AravisLink& link, const AravisSettings& settings, double duration_s
     if (!arrival) continue;
     ++(arrival->complete ? inspection.complete : inspection.incomplete);
     if (arrival->complete)
-      last = unpack(pixel_format_named(settings.pixel_format), arrival->data,
-                    arrival->region_px.size());
+      last = unpack(settings.pixel_format, arrival->data, arrival->region_px.size());
   }
   return last;
 }
@@ -143,9 +142,8 @@ std::vector<Finding> examine_camera(const CameraSettings& camera, const AravisSe
     const auto path = path_of(settings);
     if (path && !path->permitted)
       return {faulty("camera", {path->port + " may not be opened",
-                                "sudo cmake --install build/release && sudo udevadm control "
-                                "--reload && sudo udevadm trigger",
-                                "", Cause::kSystem})};
+                                fmt::format("{}, then plug the camera in again", kInstallRules), "",
+                                Cause::kSystem})};
     const CameraInspection seen = inspect_camera(settings, kGrab_s);
     if (seen.refusal) return {faulty("camera", *seen.refusal)};
     const std::string port = path ? " over " + path->port : "";
@@ -335,7 +333,7 @@ std::shared_ptr<const DeviceDetails> AravisKind::read(Fields& camera) const {
   if (camera.given("id", true)) camera.text("id", settings.id);
   camera.number("exposure_us", settings.exposure_s, kMicrosecond, Range::positive());
   camera.number("gain_db", settings.gain_db);
-  camera.choice("pixel_format", settings.pixel_format, pixel_format_names());
+  camera.choice("pixel_format", settings.pixel_format, kPixelFormats);
   camera.choice("trigger", settings.trigger, kTriggers);
   if (camera.given("packet_size", true)) {
     std::string size = "auto";
@@ -355,7 +353,7 @@ std::shared_ptr<const DeviceDetails> AravisKind::read(Fields& camera) const {
 }
 
 AravisSettings aravis_settings(const CameraSettings& camera) {
-  AravisSettings settings = static_cast<const AravisDetails&>(*camera.details).settings;
+  AravisSettings settings = details_of<AravisDetails>(camera).settings;
   settings.sensor_px = {camera.width_px, camera.height_px};
   settings.frame_rate_hz = camera.frame_rate_hz;
   settings.timeout_s = camera.timeout_s;
@@ -363,7 +361,7 @@ AravisSettings aravis_settings(const CameraSettings& camera) {
 }
 
 std::shared_ptr<FrameSource> AravisKind::open(const CellSettings& cell) const {
-  return std::make_shared<AravisCamera>(aravis_settings(cell.camera));
+  return open_aravis_camera(aravis_settings(cell.camera));
 }
 
 std::vector<Finding> AravisKind::examine(const CellSettings& cell) const {

@@ -63,8 +63,8 @@ double CameraClock::due_s(double device_s, double arrival_s) {
 
 FrameMemory::FrameMemory(const AravisSettings& settings) {
   constexpr int kBlocks = 6;  // two are being filled, two compared, two are spare
-  const std::size_t largest = bytes_of(pixel_format_named(settings.pixel_format),
-                                       static_cast<std::size_t>(settings.sensor_px.area()));
+  const std::size_t largest =
+      bytes_of(settings.pixel_format, static_cast<std::size_t>(settings.sensor_px.area()));
   bytes_ = (largest + kPageBytes - 1) / kPageBytes * kPageBytes;
   for (int i = 0; i < kBlocks; ++i) {
     blocks_.emplace_back(static_cast<std::uint8_t*>(std::aligned_alloc(kPageBytes, bytes_)),
@@ -75,8 +75,7 @@ FrameMemory::FrameMemory(const AravisSettings& settings) {
 }
 
 struct AravisLink::Impl {
-  Impl(const AravisSettings& wanted, FrameMemory& frames)
-      : settings(wanted), format(pixel_format_named(wanted.pixel_format)), memory(frames) {
+  Impl(const AravisSettings& wanted, FrameMemory& frames) : settings(wanted), memory(frames) {
     camera = settings.address.empty() ? open_usb(settings.id) : open_gige(settings.address);
     made_plain = make_plain(camera.get());
     for (const std::string& change : made_plain) spdlog::debug("the camera's " + change);
@@ -168,7 +167,7 @@ struct AravisLink::Impl {
     Arrival arrival;
     if (arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS ||
         arv_buffer_get_payload_type(buffer) != ARV_BUFFER_PAYLOAD_TYPE_IMAGE ||
-        arv_buffer_get_image_pixel_format(buffer) != arv_format(format))
+        arv_buffer_get_image_pixel_format(buffer) != arv_format(settings.pixel_format))
       return arrival;
     cv::Rect& region = arrival.region_px;
     arv_buffer_get_image_region(buffer, &region.x, &region.y, &region.width, &region.height);
@@ -176,7 +175,8 @@ struct AravisLink::Impl {
     arrival.data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(buffer, &size));
     arrival.id = arv_buffer_get_frame_id(buffer);
     arrival.complete =
-        region.area() > 0 && size >= bytes_of(format, static_cast<std::size_t>(region.area()));
+        region.area() > 0 &&
+        size >= bytes_of(settings.pixel_format, static_cast<std::size_t>(region.area()));
     arrival.repeated = arrival.complete && repeats_last(buffer, arrival);
     if (arrival.complete) date(buffer, arrival);
     return arrival;
@@ -194,7 +194,6 @@ struct AravisLink::Impl {
   }
 
   AravisSettings settings;
-  PixelFormat format;
   FrameMemory& memory;
   CameraClock clock;
   cv::Rect raster_px;  ///< increments of a region's position and size
@@ -275,6 +274,10 @@ std::optional<AravisLink::Arrival> AravisLink::receive(double timeout_s) {
   if (impl_->last) arv_stream_push_buffer(impl_->stream.get(), impl_->last.release());
   impl_->last.reset(buffer);
   return arrival;
+}
+
+const std::string& AravisLink::id() const {
+  return impl_->settings.id;
 }
 
 std::string AravisLink::identity() const {

@@ -93,6 +93,8 @@ class AravisLink {
 
   /// Returns whether the camera has not answered for some seconds or its cable is out.
   bool lost() const;
+  /// Returns the number by which the camera is opened again, as AravisSettings::id has it.
+  const std::string& id() const;
   /// Returns maker, model, firmware and serial number, as far as the camera tells them.
   std::string identity() const;
   /// Returns the settings on which pictures depend, as opening or expose() left them.

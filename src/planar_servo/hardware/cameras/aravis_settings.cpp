@@ -15,6 +15,7 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <vector>
 
 #include "planar_servo/base/core/error.h"
 
@@ -60,21 +61,6 @@ void unpack_packed(const std::uint8_t* data, std::uint8_t* pixels, std::size_t n
 }
 
 }  // namespace
-
-const std::vector<std::string>& pixel_format_names() {
-  static const std::vector<std::string> names{"Mono8",  "Mono10",  "Mono10p",     "Mono10Packed",
-                                              "Mono12", "Mono12p", "Mono12Packed"};
-  return names;
-}
-
-PixelFormat pixel_format_named(const std::string& name) {
-  const auto& names = pixel_format_names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    throw InputError({"the pixel format '" + name + "' is not known",
-                      fmt::format("allowed are {}", fmt::join(names, ", "))});
-  return static_cast<PixelFormat>(found - names.begin());
-}
 
 std::size_t bytes_of(PixelFormat format, std::size_t pixels) {
   const Layout& layout = layout_of(format);

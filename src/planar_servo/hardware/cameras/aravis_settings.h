@@ -6,7 +6,8 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
-#include <vector>
+
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 
@@ -23,11 +24,13 @@ enum class PixelFormat {
   kMono12Packed
 };
 
-/// Returns all names as GenICam writes them: "Mono8", "Mono10", "Mono10p", ...
-const std::vector<std::string>& pixel_format_names();
-
-/// Throws InputError that lists all formats when `name` is none of them.
-PixelFormat pixel_format_named(const std::string& name);
+constexpr Named<PixelFormat> kPixelFormats[] = {{PixelFormat::kMono8, "Mono8"},
+                                                {PixelFormat::kMono10, "Mono10"},
+                                                {PixelFormat::kMono10p, "Mono10p"},
+                                                {PixelFormat::kMono10Packed, "Mono10Packed"},
+                                                {PixelFormat::kMono12, "Mono12"},
+                                                {PixelFormat::kMono12p, "Mono12p"},
+                                                {PixelFormat::kMono12Packed, "Mono12Packed"}};
 
 /// Returns the bytes that `pixels` pixels take.
 std::size_t bytes_of(PixelFormat format, std::size_t pixels);
@@ -56,7 +59,7 @@ struct AravisSettings {
   double frame_rate_hz{0.0};  ///< frames come at least at this rate, or the camera is at fault
   double exposure_s{0.0};
   double gain_db{0.0};
-  std::string pixel_format{"Mono8"};  ///< one of pixel_format_names()
+  PixelFormat pixel_format{PixelFormat::kMono8};
   CameraTrigger trigger{CameraTrigger::kFreeRun};
   std::optional<CameraStrobe> strobe{};
   int packet_size{0};  ///< bytes of a GigE packet; 0 for the largest that passes

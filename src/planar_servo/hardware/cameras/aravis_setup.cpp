@@ -12,20 +12,6 @@
 namespace planar {
 namespace {
 
-/// Returns the name of the first input line that can start an exposure.
-std::string hardware_trigger(ArvCamera* camera) {
-  guint n = 0;
-  const std::unique_ptr<const char*, void (*)(gpointer)> sources(
-      ask("the camera does not list its trigger sources",
-          [&](GError** e) { return arv_camera_dup_available_trigger_sources(camera, &n, e); }),
-      g_free);
-  for (guint i = 0; i < n; ++i) {
-    std::string source = sources.get()[i];
-    if (source.rfind("Line", 0) == 0) return source;
-  }
-  throw WorkError("the camera has no input line that could trigger it", Cause::kMissing);
-}
-
 template <typename GetBounds>
 void require_within(ArvCamera* camera, const char* what, double value, const char* unit,
                     GetBounds get_bounds) {
@@ -39,9 +25,9 @@ void require_within(ArvCamera* camera, const char* what, double value, const cha
 }
 
 void apply_picture(ArvCamera* camera, const AravisSettings& settings) {
-  ask("the camera refuses the pixel format " + settings.pixel_format, [&](GError** e) {
-    arv_camera_set_pixel_format(camera, arv_format(pixel_format_named(settings.pixel_format)), e);
-  });
+  const PixelFormat format = settings.pixel_format;
+  ask(fmt::format("the camera refuses the pixel format {}", name_in(kPixelFormats, format)),
+      [&](GError** e) { arv_camera_set_pixel_format(camera, arv_format(format), e); });
   const auto automatic_off = [&](const char* what, auto available, auto set) {
     if (!ask(what, [&](GError** e) { return available(camera, e); })) return;
     ask(what, [&](GError** e) { set(camera, ARV_AUTO_OFF, e); });
@@ -95,8 +81,9 @@ void apply_trigger(ArvCamera* camera, const AravisSettings& settings) {
         [&](GError** e) { arv_camera_set_frame_rate(camera, settings.frame_rate_hz, e); });
     return;
   }
-  const std::string source =
-      settings.trigger == CameraTrigger::kSoftware ? "Software" : hardware_trigger(camera);
+  const std::string source = settings.trigger == CameraTrigger::kSoftware
+                                 ? "Software"
+                                 : word_of(camera, "TriggerSource", "Line");
   ask("the camera refuses the trigger " + source,
       [&](GError** e) { arv_camera_set_trigger(camera, source.c_str(), e); });
 }
@@ -132,18 +119,12 @@ GObjectPtr<ArvDevice> reach_gige(const std::string& address) {
   const std::string local = local_address_towards(address);
   const GObjectPtr<GInetAddress> ours(g_inet_address_new_from_string(local.c_str()));
   const GObjectPtr<GInetAddress> theirs(g_inet_address_new_from_string(address.c_str()));
-  try {
-    return GObjectPtr<ArvDevice>(ask("no GigE camera answers at " + address, [&](GError** e) {
-      return arv_gv_device_new(ours.get(), theirs.get(), e);
-    }));
-  } catch (const WorkError& error) {
-    throw WorkError({error.what(),
-                     fmt::format("ping {0}; if nothing answers, check that the camera "
-                                 "has power and that this machine has an address in its "
-                                 "network (ip route get {0})",
-                                 address),
-                     "", error.refusal().cause});
-  }
+  return GObjectPtr<ArvDevice>(ask(
+      "no GigE camera answers at " + address,
+      [&](GError** e) { return arv_gv_device_new(ours.get(), theirs.get(), e); },
+      fmt::format("ping {0}; if nothing answers, check that the camera has power and that this "
+                  "machine has an address in its network (ip route get {0})",
+                  address)));
 }
 
 /// What leaves the pixels as the sensor has them, by the names of GenICam's SFNC; a camera has
@@ -252,11 +233,13 @@ std::string identity_of(ArvCamera* camera) {
   return who;
 }
 
-void require_identity(ArvCamera* camera, const AravisSettings& settings) {
-  if (!settings.id.empty()) {
-    const std::string serial = ask("the camera does not report its serial number", [&](GError** e) {
-      return arv_camera_get_device_serial_number(camera, e);
-    });
+void require_identity(ArvCamera* camera, AravisSettings& settings) {
+  if (!settings.address.empty()) {
+    GError* ignored = nullptr;
+    const char* const told = arv_camera_get_device_serial_number(camera, &ignored);
+    const std::string serial = ignored == nullptr && told != nullptr ? told : "";
+    g_clear_error(&ignored);
+    if (settings.id.empty()) settings.id = serial;
     if (serial != settings.id)
       throw WorkError(fmt::format("the camera at {} has the serial number {}, not {}",
                                   settings.address, serial, settings.id),
@@ -313,7 +296,7 @@ GObjectPtr<ArvCamera> open_gige(const std::string& address) {
           [&](GError** e) { return arv_camera_new_with_device(device.get(), e); }));
 }
 
-GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
+GObjectPtr<ArvCamera> open_usb(std::string& serial) {
   for (const char* other : {"GigEVision", "Fake"}) arv_disable_interface(other);
   arv_update_device_list();
   std::string present;
@@ -321,6 +304,7 @@ GObjectPtr<ArvCamera> open_usb(const std::string& serial) {
     const std::string found = arv_get_device_serial_nbr(i);
     present += (present.empty() ? "" : ", ") + found;
     if (!serial.empty() && found != serial) continue;
+    serial = found;
     const char* device = arv_get_device_id(i);
     return GObjectPtr<ArvCamera>(ask("the USB camera " + found + " does not open",
                                      [&](GError** e) { return arv_camera_new(device, e); }));

@@ -23,13 +23,13 @@ using GObjectPtr = std::unique_ptr<T, Unref>;
 
 /// Makes a call that reports failure by GError, and throws that as a WorkError behind `what`.
 template <typename Call>
-auto ask(const std::string& what, Call call) {
+auto ask(const std::string& what, Call call, const std::string& remedy = "") {
   GError* error = nullptr;
   const auto refuse = [&] {
     if (error == nullptr) return;
     const std::string message = error->message;
     g_error_free(error);
-    throw WorkError(what + ": " + message, Cause::kDevice);
+    throw WorkError({what + ": " + message, remedy, "", Cause::kDevice});
   };
   if constexpr (std::is_void_v<decltype(call(&error))>) {
     call(&error);
@@ -48,8 +48,10 @@ ArvPixelFormat arv_format(PixelFormat format);
 /// Returns maker, model, firmware and serial number, as far as the camera tells them.
 std::string identity_of(ArvCamera* camera);
 
-/// Throws unless the camera has the serial number and sensor size of the settings.
-void require_identity(ArvCamera* camera, const AravisSettings& settings);
+/// Throws unless the camera has the sensor size of the settings and, on GigE, their serial number;
+/// where they name none, it becomes theirs. (On USB, the number by which a camera is found may be
+/// written otherwise in the camera itself.)
+void require_identity(ArvCamera* camera, AravisSettings& settings);
 
 /// Undoes what a camera does to its pictures before it sends them: gamma, look-up tables,
 /// sharpening, binning, mirroring, test patterns, automatic black level. Returns what it changed,
@@ -77,8 +79,9 @@ void apply_exposure(ArvCamera* camera, const CameraExposure& exposure);
 /// another program controls it. Throws WorkError when none answers, and when that program stays.
 GObjectPtr<ArvCamera> open_gige(const std::string& address);
 
-/// Opens the USB3 Vision camera with this serial number, or the first one when `serial` is empty.
-/// Throws WorkError when there is none or it does not open.
-GObjectPtr<ArvCamera> open_usb(const std::string& serial);
+/// Opens the USB3 Vision camera with this serial number in its USB descriptor, or the first one,
+/// whose number `serial` becomes, when that is empty. Throws WorkError when there is none or it
+/// does not open.
+GObjectPtr<ArvCamera> open_usb(std::string& serial);
 
 }  // namespace planar

@@ -110,7 +110,17 @@ struct CellSettings {
   std::optional<std::filesystem::path> truth;  ///< the truth file of a virtual cell
 };
 
+/// Returns the settings that only the kind of this part of the cell has.
+template <typename Details, typename Part>
+const Details& details_of(const Part& part) {
+  return static_cast<const Details&>(*part.details);
+}
+
 /// Returns a planner of moves within limits and workspace of the cell's arm, with its elbow.
-JointPlanner joint_planner(const CellSettings& cell);
+inline JointPlanner joint_planner(const CellSettings& cell) {
+  return {PlanarArm(cell.arm.geometry), Transmission(cell.transmission), cell.workspace,
+          cell.arm.elbow,
+          cell.servo.approach == Approach::kOneSide ? cell.servo.approach_margin_rad : 0.0};
+}
 
 }  // namespace planar

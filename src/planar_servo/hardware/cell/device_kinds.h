@@ -16,6 +16,10 @@ class FrameSource;
 class Tracker;
 struct CellSettings;
 
+/// The remedy where a user may not open a device.
+constexpr char kInstallRules[] =
+    "install the udev rules by the package planar-servo (or sudo cmake --install build/release)";
+
 /// Says how one part of a cell was found, and the remedy if it is not well.
 struct Finding : Refusal {  ///< `fault` says what was found, `where` is the part, such as "drive 2"
   enum class Verdict { kWell, kDoubtful, kFaulty };

@@ -38,10 +38,6 @@ struct GrblDetails final : DeviceDetails {
   double pulses_per_mm{250.0};
 };
 
-const GrblDetails& details_of(const DriveSettings& drive) {
-  return static_cast<const GrblDetails&>(*drive.details);
-}
-
 void check_line(Fields& drive, const GrblDetails& details) {
   const std::vector<int> bauds = SerialLine::bauds();
   drive.check(std::find(bauds.begin(), bauds.end(), details.baud) != bauds.end(),
@@ -57,8 +53,8 @@ void check_line(Fields& drive, const GrblDetails& details) {
 
 /// Checks that a joint is another axis of the same board, and is homed like the other one.
 void check_board(Fields& drive, const CellSettings& cell, std::size_t joint, std::size_t other) {
-  const GrblDetails& details = details_of(cell.drives[joint]);
-  const GrblDetails& first = details_of(cell.drives[other]);
+  const auto& details = details_of<GrblDetails>(cell.drives[joint]);
+  const auto& first = details_of<GrblDetails>(cell.drives[other]);
   drive.check(details.port == first.port && details.baud == first.baud,
               {fmt::format("drives[{}] has another port or baud than drives[{}]", joint, other),
                "the three joints are axes of one board", "", Cause::kContradiction});
@@ -148,11 +144,11 @@ std::vector<Finding> examine_grbl(const GrblSettings& settings) {
 }
 
 GrblSettings grbl_settings(const CellSettings& cell) {
-  const GrblDetails& first = details_of(cell.drives[0]);
+  const auto& first = details_of<GrblDetails>(cell.drives[0]);
   GrblSettings settings{first.port, first.baud, {}};
   const auto limits = Transmission(cell.transmission).rated_limits();
   for (std::size_t i = 0; i < 3; ++i) {
-    const GrblDetails& details = details_of(cell.drives[i]);
+    const auto& details = details_of<GrblDetails>(cell.drives[i]);
     settings.axes[i] = {details.axis, details.pulses_per_mm, limits[i].speed_pulses_s,
                         limits[i].acceleration_pulses_s2, cell.transmission.drives[i].home};
   }
@@ -243,7 +239,7 @@ TicInspection inspect_tic(TicBus& bus, const std::string& serial) {
     inspection.refusal = why;
     return inspection;
   }
-  inspection.listing = port->listing();
+  inspection.listing = port->listing;
   std::vector<TicTransfer> transfers(2);
   transfers[0] = {port.get(), tic::Command::kGetSettings};
   transfers[0].data.resize(tic::kSettingsBytes);
@@ -266,7 +262,7 @@ TicInspection inspect_tic(TicBus& bus, const std::string& serial) {
 }
 
 const TicSettings& tic_settings(const DriveSettings& drive) {
-  return static_cast<const TicDetails&>(*drive.details).settings;
+  return details_of<TicDetails>(drive).settings;
 }
 
 std::string TicKind::new_keys(std::size_t joint, double mark_deg) const {
@@ -303,15 +299,19 @@ std::shared_ptr<DriveGroup> TicKind::open(const CellSettings& cell) const {
 std::vector<Finding> TicKind::examine(const CellSettings& cell) const {
   std::vector<Finding> findings;
   const Eigen::Vector3d pulses_per_rad = Transmission(cell.transmission).pulses_per_rad();
-  TicBus bus;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string subject = fmt::format("drive {}", i + 1);
-    findings.push_back(examine_tic(bus, subject, tic_settings(cell.drives[i]).serial));
-    const std::string excess = excess_of(cell.transmission.drives[i], pulses_per_rad[i]);
-    if (!excess.empty())
-      findings.push_back(faulty(subject, {excess,
-                                          "lower max_speed_deg_s and max_acceleration_deg_s2 in "
-                                          "the cell file, or set fewer microsteps"}));
+  try {
+    TicBus bus;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::string subject = fmt::format("drive {}", i + 1);
+      findings.push_back(examine_tic(bus, subject, tic_settings(cell.drives[i]).serial));
+      const std::string excess = excess_of(cell.transmission.drives[i], pulses_per_rad[i]);
+      if (!excess.empty())
+        findings.push_back(faulty(subject, {excess,
+                                            "lower max_speed_deg_s and max_acceleration_deg_s2 in "
+                                            "the cell file, or set fewer microsteps"}));
+    }
+  } catch (const WorkError& error) {
+    findings.push_back(faulty(kSubject, error.refusal(), kSeeDrives));
   }
   return findings;
 }

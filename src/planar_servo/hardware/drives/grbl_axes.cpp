@@ -104,11 +104,9 @@ bool GrblWatch::on_way(const AxisPulses& place) const {
 }
 
 std::string GrblWatch::off_way_words() const {
-  const AxisPulses lower = way_.min(), upper = way_.max();
-  return fmt::format(
-      "it is off its way: at X, Y, Z of {}, {}, {} pulses instead of {} to {}, {} to {}, {} to {}",
-      here_.x(), here_.y(), here_.z(), lower.x(), upper.x(), lower.y(), upper.y(), lower.z(),
-      upper.z());
+  return fmt::format("it is off its way: at X, Y, Z of {} pulses instead of between {} and {}",
+                     fmt::join(here_, ", "), fmt::join(way_.min(), ", "),
+                     fmt::join(way_.max(), ", "));
 }
 
 void GrblWatch::forget_way() {
@@ -355,17 +353,6 @@ void GrblAxes::note_fault(const std::string& words) {
     if (!words.empty() && faults.size() < kMostFaults &&
         std::find(faults.begin(), faults.end(), words) == faults.end())
       faults.push_back(words);
-}
-
-void GrblAxes::abandon() {
-  path_.reset();
-  goal_.reset();
-  lose_state();
-  try {
-    board_.tell(grbl::kCancelJog);
-  } catch (const WorkError&) {
-    // What is queued ends by itself.
-  }
 }
 
 /// The board is locked again: it does not search for switches, and nothing is certain.

@@ -133,8 +133,6 @@ class GrblAxes {
   void search_switches();
   /// Brakes to rest and waits for it; the position stays certain. A search ends abruptly.
   void halt();
-  /// Sends a board that is out of touch nothing more but the command to brake.
-  void abandon();
 
   const AxisPulses& here() const { return watch_.here(); }
   AxisPulses target() const { return goal_.value_or(here()); }

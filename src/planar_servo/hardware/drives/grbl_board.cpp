@@ -12,9 +12,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -24,14 +22,14 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/hardware/cell/device_kinds.h"
 
 namespace planar {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kWritePatience_s = 0.1;
-constexpr std::size_t kLongestLine = 1000;
+constexpr int kWritePatience_ms = 100;
 
 struct Baud {
   int bits_s;
@@ -103,27 +101,6 @@ Refusal in_use(const std::string& port) {
           fmt::format("end that program (sudo fuser -v {} names it)", port), "", Cause::kBusy};
 }
 
-Refusal why_not_opened(const std::string& port) {
-  switch (errno) {
-    case ENOENT:
-      return {fmt::format("{} does not exist (serial ports here: {})", port, ports_here()),
-              "plug the board in, or correct `port` in the cell file", "", Cause::kMissing};
-    case EACCES:
-      return {port + " may not be opened",
-              fmt::format(
-                  "install the udev rules by the package planar-servo (or sudo cmake "
-                  "--install build/release) or join the port's group (sudo usermod -aG {} $USER), "
-                  "then plug the board in and log in again",
-                  group_of(port)),
-              "", Cause::kSystem};
-    case EBUSY:
-      return in_use(port);
-    default:
-      return {fmt::format("{} cannot be opened: {}", port, std::strerror(errno)),
-              "name the board's serial port as `port` in the cell file", "", Cause::kSystem};
-  }
-}
-
 /// Makes the port carry bytes as they are. It does not hang up when it is closed: that would reset
 /// many boards.
 bool make_raw(int descriptor, int baud) {
@@ -152,8 +129,29 @@ constexpr const char* kWhoAreYou = "\n$I\nM115\n";
 
 }  // namespace
 
+Refusal why_not_opened(const std::string& port) {
+  switch (errno) {
+    case ENOENT:
+      return {fmt::format("{} does not exist (serial ports here: {})", port, ports_here()),
+              "plug it in, or correct `port` in the cell file", "", Cause::kMissing};
+    case EACCES:
+      return {
+          port + " may not be opened",
+          fmt::format("{} or join the port's group (sudo usermod -aG {} $USER), then plug it in "
+                      "and log in again",
+                      kInstallRules, group_of(port)),
+          "", Cause::kSystem};
+    case EBUSY:
+      return in_use(port);
+    default:
+      return {fmt::format("{} cannot be opened: {}", port, std::strerror(errno)),
+              "name the serial port as `port` in the cell file", "", Cause::kSystem};
+  }
+}
+
 SerialLine::SerialLine(const std::string& port, int baud)
-    : descriptor_(open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
+    : descriptor_(open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)),
+      reader_(descriptor_) {
   if (descriptor_ < 0) throw WorkError(why_not_opened(port));
   std::optional<Refusal> fault;
   struct stat about {};
@@ -179,53 +177,25 @@ std::vector<int> SerialLine::bauds() {
   return bauds;
 }
 
-bool SerialLine::wait_for(short events, double timeout_s) const {
-  pollfd waiting{descriptor_, events, 0};
-  const int found = poll(&waiting, 1, static_cast<int>(std::ceil(timeout_s * 1e3)));
-  return found > 0 || (found < 0 && errno == EINTR);  // a signal: the caller tries again
-}
-
 void SerialLine::write(std::string_view bytes) {
+  pollfd waiting{descriptor_, POLLOUT, 0};
   while (!bytes.empty()) {
     const ssize_t sent = ::write(descriptor_, bytes.data(), bytes.size());
     if (sent > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     } else if (errno != EAGAIN && errno != EINTR) {
       throw WorkError(fmt::format("its line is closed: {}", std::strerror(errno)), Cause::kDevice);
-    } else if (!wait_for(POLLOUT, kWritePatience_s)) {
+    } else if (poll(&waiting, 1, kWritePatience_ms) == 0) {
       throw WorkError("its line accepts nothing more", Cause::kDevice);
     }
   }
 }
 
-std::optional<std::string> SerialLine::take_line() {
-  const std::size_t end = received_.find_first_of("\r\n");
-  if (end == std::string::npos && received_.size() < kLongestLine) return std::nullopt;
-  std::string line = received_.substr(0, end);
-  received_.erase(0, received_.find_first_not_of("\r\n", end));
-  return line;
-}
-
 std::optional<std::string> SerialLine::read(double timeout_s) {
-  const SteadyClock clock;
-  const double deadline_s = clock.now_s() + timeout_s;
-  for (;;) {
-    if (auto line = take_line()) return line;
-    std::array<char, 512> bytes{};
-    const ssize_t got = ::read(descriptor_, bytes.data(), bytes.size());
-    if (got > 0) {
-      received_.append(bytes.data(), static_cast<std::size_t>(got));
-      continue;
-    }
-    if (got == 0) throw WorkError("its line is closed: is it unplugged?", Cause::kDevice);
-    if (errno != EAGAIN && errno != EINTR)
-      throw WorkError(
-          fmt::format("its line is closed: is it unplugged? ({})", std::strerror(errno)),
-          Cause::kDevice);
-    const double left_s = deadline_s - clock.now_s();
-    if (left_s <= 0.0) return std::nullopt;
-    wait_for(POLLIN, left_s);
-  }
+  auto line = reader_.next(timeout_s);
+  if (!line && reader_.ended())
+    throw WorkError("its line is closed: is it unplugged?", Cause::kDevice);
+  return line;
 }
 
 GrblBoard::GrblBoard(const std::string& port, int baud) : line_(port, baud), port_(port) {
@@ -243,9 +213,8 @@ void GrblBoard::read_paths() {
   grbl::Settings settings;
   for (const std::string& question : grbl::fluidnc_questions()) {
     send(question);
-    for (int failures = 0; unanswered() > 0 && failures < kSettingsAttempts;) {
+    for (int i = 0; unanswered() > 0 && i < kSettingsAttempts; ++i) {
       const auto line = hear(kSettingsPatience_s);
-      if (!line) ++failures;
       if (const auto* setting = line ? std::get_if<grbl::StoredSetting>(&*line) : nullptr)
         settings[setting->number] = setting->value;
     }
@@ -304,23 +273,22 @@ std::optional<grbl::Banner> GrblBoard::hear_banner(double timeout_s, std::string
 }
 
 void GrblBoard::read_settings() {
+  const SteadyClock clock;
+  double heard_s = clock.now_s();
   send("$$");
-  for (int failures = 0; failures < kSettingsAttempts;) {
+  while (clock.now_s() - heard_s < kSettingsAttempts * kSettingsPatience_s) {
     const auto line = hear(kSettingsPatience_s);
-    // A question makes boards continue that read bytes in batches, as simulators do.
-    if (!line) tell(grbl::kAskStatus);
-    if (!line || std::holds_alternative<grbl::Report>(*line)) {
-      ++failures;
+    if (!line) {
+      tell(grbl::kAskStatus);  // by which boards continue that read in batches, as simulators do
       continue;
     }
-    if (const auto* setting = std::get_if<grbl::StoredSetting>(&*line))
+    if (const auto* setting = std::get_if<grbl::StoredSetting>(&*line)) {
       settings_[setting->number] = setting->value;
+      heard_s = clock.now_s();
+    }
     const bool answered = std::holds_alternative<grbl::Accepted>(*line);
     if (answered && !settings_.empty()) return;
-    if (answered || std::holds_alternative<grbl::Banner>(*line)) {
-      ++failures;
-      send("$$");
-    }
+    if (answered || std::holds_alternative<grbl::Banner>(*line)) send("$$");
     if (const auto* rejected = std::get_if<grbl::Rejected>(&*line))
       throw WorkError("it does not report its settings: " + grbl::error_words(rejected->error),
                       Cause::kDevice);

@@ -7,9 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "planar_servo/base/io/line_reader.h"
 #include "planar_servo/hardware/drives/grbl_protocol.h"
 
 namespace planar {
+
+/// Says why a serial port was not opened, by `errno`, and what mends that.
+Refusal why_not_opened(const std::string& port);
 
 /// A serial port that carries lines of text. It is refused while another program has it open, and
 /// kept from others where the system can do that.
@@ -27,16 +31,12 @@ class SerialLine {
   /// Sends all bytes. Throws WorkError when the line is closed or takes nothing.
   void write(std::string_view bytes);
 
-  /// Returns the next line, without its end, as soon as it has come. Empty when none comes within
-  /// the time. A line that never ends is cut. Throws WorkError when the port is closed.
+  /// Returns the next line as LineReader::next() does. Throws WorkError when the port is closed.
   std::optional<std::string> read(double timeout_s);
 
  private:
-  bool wait_for(short events, double timeout_s) const;
-  std::optional<std::string> take_line();
-
-  int descriptor_{-1};
-  std::string received_;
+  int descriptor_;
+  LineReader reader_;
 };
 
 /// A Grbl or grblHAL board on a serial port; keeps track of the lines that it has not answered yet.

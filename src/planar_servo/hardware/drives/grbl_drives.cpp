@@ -19,10 +19,8 @@ GrblDrives::GrblDrives(const GrblSettings& settings) : settings_(settings) {
 }
 
 void GrblDrives::open() {
-  axes_.reset();
-  error_ = {};
-  homing_joint_.reset();
-  for (Joint& joint : joints_) joint.certain = joint.switch_found = false;
+  forget();
+  moved_ = false;
   try {
     axes_ = std::make_unique<GrblAxes>(settings_);
     losses_ = axes_->losses();
@@ -41,10 +39,17 @@ void GrblDrives::require_touch(const std::string& purpose) const {
     throw DriveError(fmt::format("{} cannot {}: {}", name(), purpose, error_.text()), error_.cause);
 }
 
+/// The axes brake, as far as the board hears it.
 void GrblDrives::lose(const Refusal& why) {
   error_ = why;
-  axes_->abandon();
-  heed_axes();
+  moved_ = axes_->moving();
+  axes_.reset();
+  homing_joint_.reset();
+  forget();
+}
+
+void GrblDrives::forget() {
+  for (Joint& joint : joints_) joint.certain = joint.switch_found = false;
 }
 
 template <typename Deed>
@@ -71,8 +76,7 @@ void GrblDrives::poll() {
 
 /// Updates the joints where the axes have lost their position, or a search has ended.
 void GrblDrives::heed_axes() {
-  if (losses_ != axes_->losses())
-    for (Joint& joint : joints_) joint.certain = joint.switch_found = false;
+  if (losses_ != axes_->losses()) forget();
   losses_ = axes_->losses();
   if (!homing_joint_ || axes_->searching()) return;
   const std::size_t searched = *homing_joint_;
@@ -130,7 +134,7 @@ void GrblDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) 
 }
 
 void GrblDrives::halt() {
-  if (axes_ == nullptr || !axes_->moving()) return;
+  if (in_touch() ? !axes_->moving() : !moved_) return;
   try {
     command("be told to halt", [this] { axes_->halt(); });
   } catch (const DriveError& error) {
@@ -189,12 +193,11 @@ void GrblDrives::set_position(int joint, std::int32_t position_pulses) {
   require_touch("take a position");
   if (axes_->moving())
     throw DriveError(fmt::format("{} moves; it can be told where it stands only at rest", name()));
-  set.zero_pulses = axes_->here()[index(joint)] - position_pulses;
-  set.certain = true;
+  set = {axes_->here()[index(joint)] - position_pulses, true};
 }
 
 void GrblDrives::forget_positions() {
-  for (Joint& joint : joints_) joint.certain = joint.switch_found = false;
+  forget();
   halt();
 }
 

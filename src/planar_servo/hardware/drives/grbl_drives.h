@@ -49,7 +49,8 @@ class GrblDrives final : public DriveGroup {
 
   void open();
   void lose(const Refusal& why);
-  bool in_touch() const { return axes_ != nullptr && error_.fault.empty(); }
+  void forget();
+  bool in_touch() const { return axes_ != nullptr; }
   void require_touch(const std::string& purpose) const;
   /// Does something with the board. Throws DriveError when it is, or gets, out of touch.
   template <typename Deed>
@@ -67,7 +68,8 @@ class GrblDrives final : public DriveGroup {
 
   GrblSettings settings_;
   std::unique_ptr<GrblAxes> axes_;
-  Refusal error_;  ///< why the board is out of touch
+  Refusal error_;      ///< why the board is out of touch
+  bool moved_{false};  ///< when it got out of touch
   std::array<Joint, 3> joints_;
   std::array<double, 3> speeds_pulses_s_{};
   int losses_{0};  ///< of the axes' position, as of the last update

@@ -8,6 +8,7 @@
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/threads.h"
+#include "planar_servo/hardware/cell/device_kinds.h"
 
 namespace planar::tic {
 namespace {
@@ -37,6 +38,13 @@ constexpr Named<std::uint16_t> kProducts[] = {{0x00b3, "Tic T825"}, {0x00b5, "Ti
 constexpr unsigned kStoppedByHand = 1U << 2 | 1U << 3;
 /// The bits for driver error, serial error, command timeout and safe start.
 constexpr unsigned kClearedByCommands = 1U << 1 | 1U << 5 | 1U << 6 | 1U << 7;
+
+std::vector<std::string> error_names(unsigned errors) {
+  std::vector<std::string> names;
+  for (std::size_t bit = 1; bit < kErrors.size(); ++bit)
+    if (errors >> bit & 1) names.emplace_back(kErrors[bit]);
+  return names;
+}
 
 std::uint32_t in_units(const char* what, double value, double lower, double upper, double units) {
   if (!(value >= lower && value <= upper))
@@ -98,19 +106,14 @@ bool StatusBlock::moving() const {
   return velocity != 0 || homing() || (target() != position() && !limit_in_the_way());
 }
 
-std::vector<std::string> StatusBlock::errors_among(unsigned bits) const {
-  std::vector<std::string> errors;
-  for (std::size_t bit = 1; bit < kErrors.size(); ++bit)
-    if ((read<std::uint16_t>(0x02) & bits) >> bit & 1) errors.emplace_back(kErrors[bit]);
-  return errors;
-}
-
 std::vector<std::string> StatusBlock::standing_faults() const {
-  return errors_among(~kClearedByCommands);
+  return error_names(errors() & ~kClearedByCommands);
 }
 
 std::vector<std::string> StatusBlock::faults() const {
-  std::vector<std::string> faults = errors_among(~0U);
+  std::vector<std::string> faults = error_names(errors());
+  for (const std::string& passed : error_names(occurred() & kStoppedByHand & ~errors()))
+    faults.push_back(passed + " for a moment");
   if (limit_in_the_way() && !homing())
     faults.emplace_back(flag(kForwardLimit) ? "it stands on its forward limit switch"
                                             : "it stands on its reverse limit switch");
@@ -126,7 +129,7 @@ DriveStatus StatusBlock::drive_status() const {
   status.position_certain = position_certain();
   status.homing = homing();
   status.faults = faults();
-  status.stopped_by_hand = !errors_among(kStoppedByHand).empty();
+  status.stopped_by_hand = ((errors() | occurred()) & kStoppedByHand) != 0;
   return status;
 }
 
@@ -156,9 +159,7 @@ bool describe(libusb_device* device, TicListing& listing, std::uint8_t& serial_s
 Refusal refusal_of(int error, const std::string& device) {
   if (error == LIBUSB_ERROR_ACCESS)
     return {device + " may not be opened",
-            "install the udev rules by the package planar-servo (or sudo cmake --install "
-            "build/release), then plug the drive in again",
-            "", Cause::kSystem};
+            fmt::format("{}, then plug the drive in again", kInstallRules), "", Cause::kSystem};
   if (error == LIBUSB_ERROR_BUSY)
     return {device + " is in use by another program", "end that program", "", Cause::kBusy};
   return {fmt::format("{} cannot be opened: {}", device, libusb_strerror(error))};
@@ -181,6 +182,11 @@ std::string words_of(libusb_transfer_status status, double timeout_s) {
     default:
       return "the USB transfer failed (check cable and hub)";
   }
+}
+
+void close_port(libusb_device_handle* handle) {
+  libusb_release_interface(handle, kInterface);
+  libusb_close(handle);
 }
 
 /// A running transfer in libusb's form.
@@ -212,11 +218,6 @@ void take_outcome(const UnderWay& done, double timeout_s, TicTransfer& request) 
 
 }  // namespace
 
-TicPort::~TicPort() {
-  libusb_release_interface(handle_, kInterface);
-  libusb_close(handle_);
-}
-
 TicBus::TicBus() {
   const int error = libusb_init(&context_);
   if (error != 0)
@@ -247,7 +248,7 @@ std::unique_ptr<TicPort> TicBus::open(const std::string& serial, Refusal& why) {
       listing.serial = read_serial(handle, serial_string);
       if (listing.serial == serial) error = libusb_claim_interface(handle, kInterface);
       if (listing.serial == serial && error == 0)
-        return std::unique_ptr<TicPort>(new TicPort(handle, std::move(listing)));
+        return std::make_unique<TicPort>(TicPort{std::move(listing), {handle, close_port}});
       libusb_close(handle);
     }
     const Refusal refusal = refusal_of(error, listing.device);
@@ -272,7 +273,7 @@ void TicBus::exchange(std::vector<TicTransfer>& transfers, double timeout_s) {
                               static_cast<std::uint8_t>(request.command),
                               static_cast<std::uint16_t>(request.value & 0xffff),
                               static_cast<std::uint16_t>(request.value >> 16), length);
-    libusb_fill_control_transfer(running.transfer.get(), request.port->handle_,
+    libusb_fill_control_transfer(running.transfer.get(), request.port->handle.get(),
                                  running.buffer.data(), note_completion, &running.completed,
                                  static_cast<unsigned>(std::ceil(timeout_s * 1e3)));
     if (const int error = libusb_submit_transfer(running.transfer.get())) {

@@ -32,6 +32,7 @@ enum class Command : std::uint8_t {
   kEnterSafeStart = 0x8f,
   kGoHome = 0x97,
   kGetVariables = 0xa1,
+  kGetVariablesAndClearErrors = 0xa2,  ///< those that have occurred
   kGetSettings = 0xa8,
   kSetTargetPosition = 0xe0,
   kSetMaxSpeed = 0xe6,
@@ -88,7 +89,8 @@ class StatusBlock {
   /// Returns the target position, or the present one unless a position was commanded.
   std::int32_t target() const;
   bool moving() const;
-  /// Returns the errors that keep the drive from moving, and a limit switch in its way.
+  /// Returns the errors that keep the drive from moving, stops by hand that have passed since they
+  /// were cleared, and a limit switch in its way.
   std::vector<std::string> faults() const;
   /// Returns the errors that switching on does not clear.
   std::vector<std::string> standing_faults() const;
@@ -107,8 +109,9 @@ class StatusBlock {
     return static_cast<T>(value);
   }
   bool flag(Flag bit) const { return (bytes_[0x01] >> bit & 1) != 0; }
+  unsigned errors() const { return read<std::uint16_t>(0x02); }
+  unsigned occurred() const { return read<std::uint32_t>(0x04); }
   bool limit_in_the_way() const;
-  std::vector<std::string> errors_among(unsigned bits) const;
 
   Bytes bytes_;
 };
@@ -124,21 +127,9 @@ struct TicListing {
 };
 
 /// An opened Tic. No other process can use it until it is closed.
-class TicPort {
- public:
-  ~TicPort();
-  TicPort(const TicPort&) = delete;
-  TicPort& operator=(const TicPort&) = delete;
-
-  const TicListing& listing() const { return listing_; }
-
- private:
-  friend class TicBus;
-  TicPort(libusb_device_handle* handle, TicListing listing)
-      : handle_(handle), listing_(std::move(listing)) {}
-
-  libusb_device_handle* handle_;
-  TicListing listing_;
+struct TicPort {
+  TicListing listing;
+  std::unique_ptr<libusb_device_handle, void (*)(libusb_device_handle*)> handle;
 };
 
 /// One control transfer and its outcome.

@@ -28,7 +28,6 @@ constexpr std::uint32_t at_offset(std::size_t offset) {
 
 TicDrives::TicDrives(const std::array<TicSettings, 3>& settings) {
   double shortest_s = settings[0].command_timeout_s;
-  std::string faults;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < i; ++k)
       if (settings[k].serial == settings[i].serial)
@@ -38,12 +37,16 @@ TicDrives::TicDrives(const std::array<TicSettings, 3>& settings) {
   }
   transfer_timeout_s_ = shortest_s / 2.0;
   feed_period_s_ = shortest_s / 4.0;
+  std::vector<std::string> faults;
+  std::optional<Cause> cause;
   for (std::size_t i = 0; i < 3; ++i) {
     open(i);
-    if (!joints_[i].in_touch())
-      faults += fmt::format("{}{}: {}", faults.empty() ? "" : "\n", name(i), joints_[i].error);
+    const Refusal& error = joints_[i].error;
+    if (joints_[i].in_touch()) continue;
+    faults.push_back(error.at(name(i)).text());
+    cause = cause.value_or(error.cause) == error.cause ? error.cause : Cause::kDevice;
   }
-  if (!faults.empty()) throw DriveError(faults);
+  if (cause) throw DriveError(fmt::format("{}", fmt::join(faults, "\n")), *cause);
   feeder_ = std::thread([this] { feed_those_at_rest(); });
 }
 
@@ -64,38 +67,35 @@ std::string TicDrives::name(std::size_t joint) const {
 void TicDrives::open(std::size_t i) {
   Joint& joint = joints_[i];
   joint.port.reset();
-  joint.error.clear();
   joint.may_move = true;
   joint.goal.reset();
-  Refusal why;
-  joint.port = bus_.open(joint.settings.serial, why);
-  joint.error = joint.port == nullptr ? why.text() : configure(i);
-  if (!joint.error.empty()) {
-    joint.port.reset();
-    return;
+  joint.port = bus_.open(joint.settings.serial, joint.error);
+  if (joint.port == nullptr) return;
+  try {
+    configure(i);
+  } catch (const WorkError& error) {
+    joint.error = error.refusal();
+    return joint.port.reset();
   }
-  const TicListing& tic = joint.port->listing();
+  const TicListing& tic = joint.port->listing;
   spdlog::debug(fmt::format("{} is a {} at {}, firmware {}, position {} ({})", name(i),
                             tic::product_name(tic.product_id), tic.device,
                             tic::firmware_name(tic.firmware), joint.last->position(),
                             joint.last->position_certain() ? "certain" : "uncertain"));
 }
 
-std::string TicDrives::configure(std::size_t i) {
-  const auto settings =
-      perform({{i, Command::kGetSettings, 0, tic::kSettingsBytes}}, kSetupTimeout_s).front();
-  if (!settings.error.empty()) return settings.error;
-  const auto unfit = tic::unfitness(joints_[i].port->listing().firmware, settings.data);
-  if (unfit) return unfit->text();
-  std::string fault = set_timeout(i, settings.data);
-  if (!fault.empty()) return fault;
-  const auto status =
-      perform({{i, Command::kGetVariables, 0, tic::StatusBlock::kBytes}}, kSetupTimeout_s);
-  take_status(joints_[i], status.front());
-  return status.front().error;
+void TicDrives::configure(std::size_t i) {
+  Joint& joint = joints_[i];
+  const auto settings = set_up({{i, Command::kGetSettings, 0, tic::kSettingsBytes}}).front().data;
+  if (const auto unfit = tic::unfitness(joint.port->listing.firmware, settings))
+    throw WorkError(*unfit);
+  set_timeout(i, settings);
+  // What happened before this program began is over; what happened out of its touch is not.
+  const Command read = joint.last ? Command::kGetVariables : Command::kGetVariablesAndClearErrors;
+  take_status(joint, set_up({{i, read, 0, tic::StatusBlock::kBytes}}).front());
 }
 
-std::string TicDrives::set_timeout(std::size_t i, const std::vector<std::uint8_t>& settings) {
+void TicDrives::set_timeout(std::size_t i, const std::vector<std::uint8_t>& settings) {
   const auto timeout_ms =
       static_cast<std::uint16_t>(std::lround(joints_[i].settings.command_timeout_s * 1e3));
   const auto as_wanted = [&](std::vector<std::uint8_t> bytes) {
@@ -105,7 +105,7 @@ std::string TicDrives::set_timeout(std::size_t i, const std::vector<std::uint8_t
     return bytes;
   };
   const std::vector<std::uint8_t> wanted = as_wanted(settings);
-  if (wanted == settings) return "";
+  if (wanted == settings) return;
   std::vector<Request> requests;
   for (std::size_t offset = 0; offset < wanted.size(); ++offset)
     if (wanted[offset] != settings[offset])
@@ -114,11 +114,9 @@ std::string TicDrives::set_timeout(std::size_t i, const std::vector<std::uint8_t
       fmt::format("{}: its command timeout is set to {} ms and stored", name(i), timeout_ms));
   requests.push_back({i, Command::kReinitialize});
   requests.push_back({i, Command::kGetSettings, 0, tic::kSettingsBytes});
-  const auto done = perform(requests, kSetupTimeout_s);
-  for (const TicTransfer& transfer : done)
-    if (!transfer.error.empty()) return transfer.error;
-  const std::vector<std::uint8_t>& stored = done.back().data;
-  return as_wanted(stored) == stored ? "" : "it does not store its command timeout; replace it";
+  const auto stored = set_up(requests).back().data;
+  if (as_wanted(stored) != stored)
+    throw WorkError({"it does not store its command timeout", "replace it", "", Cause::kDevice});
 }
 
 std::vector<TicTransfer> TicDrives::perform(const std::vector<Request>& requests,
@@ -127,16 +125,24 @@ std::vector<TicTransfer> TicDrives::perform(const std::vector<Request>& requests
   for (const Request& request : requests) {
     const Joint& joint = joints_[request.joint];
     transfers.push_back({joint.port.get(), request.command, request.value,
-                         std::vector<std::uint8_t>(request.bytes), joint.port ? "" : joint.error});
+                         std::vector<std::uint8_t>(request.bytes),
+                         joint.port ? "" : joint.error.text()});
   }
   bus_.exchange(transfers, timeout_s);
   for (std::size_t i = 0; i < requests.size(); ++i) {
     Joint& joint = joints_[requests[i].joint];
-    if (transfers[i].error.empty()) continue;
-    joint.error = transfers[i].error;
+    if (transfers[i].error.empty() || joint.port == nullptr) continue;
+    joint.error = {transfers[i].error, "", "", Cause::kDevice};
     if (transfers[i].lost) joint.port.reset();
   }
   return transfers;
+}
+
+std::vector<TicTransfer> TicDrives::set_up(const std::vector<Request>& requests) {
+  std::vector<TicTransfer> done = perform(requests, kSetupTimeout_s);
+  for (const TicTransfer& transfer : done)
+    if (!transfer.error.empty()) throw WorkError(transfer.error, Cause::kDevice);
+  return done;
 }
 
 void TicDrives::require(const std::vector<Request>& requests, const std::string& what) {
@@ -152,15 +158,15 @@ void TicDrives::take_status(Joint& joint, const TicTransfer& transfer) {
   tic::StatusBlock::Bytes bytes{};
   std::copy(transfer.data.begin(), transfer.data.end(), bytes.begin());
   joint.last.emplace(bytes);
-  joint.error.clear();
+  joint.error = {};
   if (joint.goal == joint.last->position()) joint.goal.reset();
   joint.may_move = joint.last->moving() || joint.goal.has_value();
 }
 
-void TicDrives::read_status() {
+void TicDrives::read_status(Command read) {
   std::vector<Request> requests;
   for (std::size_t i = 0; i < 3; ++i) {
-    requests.push_back({i, Command::kGetVariables, 0, tic::StatusBlock::kBytes});
+    requests.push_back({i, read, 0, tic::StatusBlock::kBytes});
     requests.push_back({i, Command::kResetCommandTimeout});
   }
   const auto done = perform(requests, transfer_timeout_s_);
@@ -179,7 +185,7 @@ std::array<DriveStatus, 3> TicDrives::status() {
     }
     status[i].answers = false;
     status[i].position_certain = false;
-    status[i].faults.push_back(joints_[i].error);
+    status[i].faults.push_back(joints_[i].error.text());
   }
   return status;
 }
@@ -197,17 +203,22 @@ bool TicDrives::read_until(const Condition& holds) {
 
 void TicDrives::energize() {
   const std::lock_guard lock(mutex_);
-  read_status();
+  read_status(Command::kGetVariablesAndClearErrors);
   std::vector<Request> requests;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (joints_[i].ready()) continue;
+    Joint& joint = joints_[i];
+    // It would go to where it stood when it was in touch.
+    if (!joint.in_touch())
+      throw DriveError(
+          fmt::format("{} cannot be told to switch on: {}", name(i), joint.error.text()));
+    if (joint.ready()) continue;
     // A Tic keeps its last target through an error and would resume its move without a new one.
-    const std::int32_t here = joints_[i].last ? joints_[i].last->position() : 0;
-    requests.push_back({i, Command::kSetTargetPosition, static_cast<std::uint32_t>(here)});
+    const auto here = static_cast<std::uint32_t>(joint.last->position());
+    requests.push_back({i, Command::kSetTargetPosition, here});
     for (const Command command :
          {Command::kClearDriverError, Command::kEnergize, Command::kExitSafeStart})
       requests.push_back({i, command});
-    joints_[i].goal.reset();
+    joint.goal.reset();
   }
   require(requests, "switch on");
   read_until([this] {
@@ -235,7 +246,7 @@ void TicDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) {
     if (!joints_[i].ready())
       throw DriveError(
           fmt::format("{} cannot take a target: {}", name(i),
-                      joints_[i].in_touch() ? "it is not switched on" : joints_[i].error));
+                      joints_[i].in_touch() ? "it is not switched on" : joints_[i].error.text()));
     requests.push_back(
         {i, Command::kSetTargetPosition, static_cast<std::uint32_t>(targets_pulses[i])});
   }

@@ -39,8 +39,9 @@ class TicDrives final : public DriveGroup {
   TicDrives(const TicDrives&) = delete;
   TicDrives& operator=(const TicDrives&) = delete;
 
-  /// Switches all drives on. A drive that was stopped does not resume its old move. Throws
-  /// DriveError for a drive out of touch; the status of a drive that does not switch on says why.
+  /// Switches all drives on, unless one is out of touch, and forgets what stopped them by hand. A
+  /// drive that was stopped does not resume its old move. Throws DriveError for a drive out of
+  /// touch; the status of a drive that does not switch on says why.
   void energize() override;
   /// Throws InputError for limits that no Tic can keep, and DriveError when one does not take them.
   void set_limits(const std::array<DriveLimits, 3>& limits) override;
@@ -57,12 +58,12 @@ class TicDrives final : public DriveGroup {
   struct Joint {
     TicSettings settings;
     std::unique_ptr<TicPort> port;
-    std::string error{};  ///< why its last transfer failed; it is out of touch then
+    Refusal error{};  ///< why its last transfer failed; it is out of touch then
     std::optional<tic::StatusBlock> last{};
     std::optional<std::int32_t> goal{};  ///< its target, until it has been seen there
     bool may_move{true};
 
-    bool in_touch() const { return port != nullptr && error.empty(); }
+    bool in_touch() const { return port != nullptr && error.fault.empty(); }
     bool ready() const { return in_touch() && last && last->ready(); }
   };
   struct Request {
@@ -73,14 +74,18 @@ class TicDrives final : public DriveGroup {
   };
 
   void open(std::size_t joint);
-  /// Applies the settings that may be set. Returns what is wrong with the others or the firmware.
-  std::string configure(std::size_t joint);
-  std::string set_timeout(std::size_t joint, const std::vector<std::uint8_t>& settings);
-  /// Runs all requests at once and notes failures, as without a port, in each joint's `error`.
+  /// Applies the settings that may be set. Throws WorkError that says what is wrong with the others
+  /// or the firmware.
+  void configure(std::size_t joint);
+  void set_timeout(std::size_t joint, const std::vector<std::uint8_t>& settings);
+  /// Runs all requests at once and notes failures in each joint's `error`; without a port, that is
+  /// the failure.
   std::vector<TicTransfer> perform(const std::vector<Request>& requests, double timeout_s);
+  /// Runs all requests of setup; throws WorkError with the reason when one fails.
+  std::vector<TicTransfer> set_up(const std::vector<Request>& requests);
   /// Runs all requests; throws DriveError that names `what` was to be done when one fails.
   void require(const std::vector<Request>& requests, const std::string& what);
-  void read_status();
+  void read_status(tic::Command read = tic::Command::kGetVariables);
   void take_status(Joint& joint, const TicTransfer& transfer);
   /// Polls until the condition holds; returns false when it does not in time.
   template <typename Condition>

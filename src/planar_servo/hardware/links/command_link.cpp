@@ -123,10 +123,11 @@ void ChildProgram::send(const std::string& line) {
 }
 
 std::string ChildProgram::next_line(double patience_s) {
-  if (auto line = reader_->next(patience_s)) return *line;
-  throw WorkError(reader_->ended() ? ending()
-                  : reader_->is_endless()
-                      ? "its answer never ends"
+  const auto line = reader_->next(patience_s);
+  if (line && line->size() < LineReader::kLongest) return *line;
+  throw WorkError(line ? "its answer never ends"
+                  : reader_->ended()
+                      ? ending()
                       : fmt::format("it has not answered within {:.0f} ms", patience_s * 1e3),
                   Cause::kDevice);
 }

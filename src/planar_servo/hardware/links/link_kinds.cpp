@@ -43,9 +43,9 @@ void check_alike(Fields& drive, std::size_t joint, std::size_t other,
 /// report that they are there within about a degree of the motor.
 int in_position_counts(const CellSettings& cell) {
   constexpr double kPerTurn = 1.0 / 360.0;
-  double least = cell.transmission.drives[0].pulses_per_motor_turn;
-  for (const MotorDrive& motor : cell.transmission.drives)
-    least = std::min(least, motor.pulses_per_motor_turn);
+  const auto& [first, second, third] = cell.transmission.drives;
+  const double least = std::min(
+      {first.pulses_per_motor_turn, second.pulses_per_motor_turn, third.pulses_per_motor_turn});
   return static_cast<int>(std::ceil(kPerTurn * least));
 }
 
@@ -53,12 +53,27 @@ struct CommandDetails final : DeviceDetails {
   MotionProgram program;
 };
 
-const MotionProgram& program_of(const CellSettings& cell, std::size_t joint) {
-  return static_cast<const CommandDetails&>(*cell.drives[joint].details).program;
-}
-
 std::string name_of(const MotionProgram& program) {
   return fmt::format("the program {}", fmt::join(program.words, " "));
+}
+
+/// Opens the link to a machine and says how it is; `judge(link, state)` does where it has no fault.
+template <typename Link, typename Machine, typename Judge>
+std::vector<Finding> examine_link(const Machine& machine, const std::string& place,
+                                  const char* remedy, const char* manual, const Judge& judge) {
+  try {
+    Link link(machine);
+    const MachineState state = link.read();
+    if (state.faults.empty()) return {judge(link, state)};
+    return {faulty(kDrives, {state.faults.front(), remedy, place, Cause::kDevice})};
+  } catch (const WorkError& error) {
+    return {faulty(kDrives, place.empty() ? error.refusal() : error.refusal().at(place), manual)};
+  }
+}
+
+Finding well(const std::string& what, const MachineState& state) {
+  return {{fmt::format("{}, {}", what, state.on ? "switched on" : "off"), "", kDrives},
+          Finding::Verdict::kWell};
 }
 
 }  // namespace
@@ -85,30 +100,24 @@ void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) con
   list_home(drive, cell.transmission.drives[joint]);
   for (std::size_t i = 0; i < joint; ++i)
     if (cell.drives[i].kind == this)
-      check_alike(drive, joint, i, {{"program", program_of(cell, i).words == program.words}},
-                  "one program moves the three joints");
+      check_alike(
+          drive, joint, i,
+          {{"program", details_of<CommandDetails>(cell.drives[i]).program.words == program.words}},
+          "one program moves the three joints");
 }
 
 std::shared_ptr<DriveGroup> CommandKind::open(const CellSettings& cell) const {
-  const MotionProgram& program = program_of(cell, 0);
+  const MotionProgram& program = details_of<CommandDetails>(cell.drives[0]).program;
   return std::make_shared<LinkedDrives>(
       name_of(program), limits_of(cell),
       [program] { return std::make_unique<CommandLink>(program); }, in_position_counts(cell));
 }
 
 std::vector<Finding> CommandKind::examine(const CellSettings& cell) const {
-  const MotionProgram& program = program_of(cell, 0);
-  try {
-    CommandLink link(program);
-    const MachineState state = link.read();
-    if (!state.faults.empty())
-      return {faulty(kDrives,
-                     {state.faults.front(), "remove the cause", link.machine(), Cause::kDevice})};
-    return {{{fmt::format("{}, {}", link.machine(), state.on ? "switched on" : "off"), "", kDrives},
-             Finding::Verdict::kWell}};
-  } catch (const WorkError& error) {
-    return {faulty(kDrives, error.refusal().at(name_of(program)), "see doc/motion_program.md")};
-  }
+  const MotionProgram& program = details_of<CommandDetails>(cell.drives[0]).program;
+  return examine_link<CommandLink>(
+      program, name_of(program), "remove the cause", "see doc/motion_program.md",
+      [](const auto& link, const auto& state) { return well(link.machine(), state); });
 }
 
 namespace {
@@ -123,14 +132,10 @@ struct ModbusDetails final : DeviceDetails {
   int address{0};         ///< 0 while it is not read
 };
 
-const ModbusDetails& modbus_of(const CellSettings& cell, std::size_t joint) {
-  return static_cast<const ModbusDetails&>(*cell.drives[joint].details);
-}
-
 /// Checks that a joint is another driver on the same line.
 void check_line(Fields& drive, const CellSettings& cell, std::size_t joint, std::size_t other) {
-  const ModbusDetails& one = modbus_of(cell, joint);
-  const ModbusDetails& first = modbus_of(cell, other);
+  const ModbusDetails& one = details_of<ModbusDetails>(cell.drives[joint]);
+  const ModbusDetails& first = details_of<ModbusDetails>(cell.drives[other]);
   check_alike(drive, joint, other,
               {{"port", one.line.port == first.line.port},
                {"baud", one.line.baud == first.line.baud},
@@ -178,9 +183,9 @@ void require_map(const CellSettings& cell, std::size_t joint, const ModbusMap& m
 }
 
 ModbusLine line_of(const CellSettings& cell) {
-  ModbusLine line = modbus_of(cell, 0).line;
+  ModbusLine line = details_of<ModbusDetails>(cell.drives[0]).line;
   for (std::size_t i = 0; i < 3; ++i) {
-    line.addresses[i] = modbus_of(cell, i).address;
+    line.addresses[i] = details_of<ModbusDetails>(cell.drives[i]).address;
     line.counts_per_turn[i] = cell.transmission.drives[i].pulses_per_motor_turn;
   }
   return line;
@@ -223,7 +228,7 @@ void ModbusKind::read(Fields& drive, CellSettings& cell, std::size_t joint) cons
 }
 
 void ModbusKind::complete(CellSettings& cell, std::size_t joint) const {
-  auto details = std::make_shared<ModbusDetails>(modbus_of(cell, joint));
+  auto details = std::make_shared<ModbusDetails>(details_of<ModbusDetails>(cell.drives[joint]));
   details->line.map = read_modbus_map(map_file(cell, details->registers));
   require_map(cell, joint, details->line.map);
   cell.drives[joint].details = details;
@@ -238,29 +243,22 @@ std::shared_ptr<DriveGroup> ModbusKind::open(const CellSettings& cell) const {
 
 std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
   const ModbusLine line = line_of(cell);
-  try {
-    ModbusLink link(line);
-    const MachineState state = link.read();
-    if (!state.faults.empty())
-      return {faulty(kDrives, {state.faults.front(), "look it up in the driver's manual", "",
-                               Cause::kDevice})};
+  const auto judge = [&](ModbusLink& link, const MachineState& state) -> Finding {
     constexpr int kTelegrams = 100;
     while (link.errors().telegrams < kTelegrams) link.read();
     const LineErrors& errors = link.errors();
-    if (errors.garbled + errors.unanswered > 0)
-      return {{{fmt::format("{}: of {} telegrams {} were garbled and {} not answered",
-                            name_of(line), errors.telegrams, errors.garbled, errors.unanswered),
-                "look at the line's resistors at both ends, its shield and ground", kDrives,
-                Cause::kDevice},
-               Finding::Verdict::kDoubtful}};
-    return {{{fmt::format("{}: all three answer each of {} telegrams, {}; at {} counts",
-                          name_of(line), errors.telegrams, state.on ? "switched on" : "off",
-                          fmt::join(state.counts, ", ")),
-              "", kDrives},
-             Finding::Verdict::kWell}};
-  } catch (const WorkError& error) {
-    return {faulty(kDrives, error.refusal(), "see doc/modbus.md")};
-  }
+    if (errors.garbled + errors.unanswered == 0)
+      return well(fmt::format("{}: all three answer each of {} telegrams, at {} counts",
+                              name_of(line), errors.telegrams, fmt::join(state.counts, ", ")),
+                  state);
+    return {{fmt::format("{}: of {} telegrams {} were garbled and {} not answered", name_of(line),
+                         errors.telegrams, errors.garbled, errors.unanswered),
+             "look at the line's resistors at both ends, its shield and ground", kDrives,
+             Cause::kDevice},
+            Finding::Verdict::kDoubtful};
+  };
+  return examine_link<ModbusLink>(line, "", "look it up in the driver's manual",
+                                  "see doc/modbus.md", judge);
 }
 
 namespace {
@@ -274,16 +272,12 @@ struct LinuxcncDetails final : DeviceDetails {
   LinuxcncJoint joint;
 };
 
-const LinuxcncDetails& linuxcnc_of(const CellSettings& cell, std::size_t joint) {
-  return static_cast<const LinuxcncDetails&>(*cell.drives[joint].details);
-}
-
 LinuxcncHost host_of(const CellSettings& cell) {
-  LinuxcncHost host = linuxcnc_of(cell, 0).host;
+  LinuxcncHost host = details_of<LinuxcncDetails>(cell.drives[0]).host;
   const Eigen::Vector3d pulses_per_rad = Transmission(cell.transmission).pulses_per_rad();
   const auto limits = limits_of(cell);
   for (std::size_t i = 0; i < 3; ++i) {
-    host.joints[i] = linuxcnc_of(cell, i).joint;
+    host.joints[i] = details_of<LinuxcncDetails>(cell.drives[i]).joint;
     host.joints[i].counts_per_deg = std::abs(pulses_per_rad[i]) * kDegree;
     host.joints[i].rated = limits[i];
     host.joints[i].has_switch = is_switch(cell.transmission.drives[i].home);
@@ -320,7 +314,7 @@ void LinuxcncKind::read(Fields& drive, CellSettings& cell, std::size_t joint) co
   list_home(drive, cell.transmission.drives[joint]);
   for (std::size_t i = 0; i < joint; ++i) {
     if (cell.drives[i].kind != this) continue;
-    const LinuxcncDetails& other = linuxcnc_of(cell, i);
+    const LinuxcncDetails& other = details_of<LinuxcncDetails>(cell.drives[i]);
     check_alike(drive, joint, i,
                 {{"host", other.host.host == host.host},
                  {"port", other.host.port == host.port},
@@ -343,20 +337,15 @@ std::shared_ptr<DriveGroup> LinuxcncKind::open(const CellSettings& cell) const {
 
 std::vector<Finding> LinuxcncKind::examine(const CellSettings& cell) const {
   const LinuxcncHost host = host_of(cell);
-  try {
-    LinuxcncLink link(host);
-    const MachineState state = link.read();
-    if (!state.faults.empty())
-      return {faulty(
-          kDrives, {state.faults.front(), "look at LinuxCNC's own messages", "", Cause::kDevice})};
-    const std::string found =
-        fmt::format("{}, {}", name_of(host), state.on ? "switched on" : "off");
-    if (!link.unchecked().empty())
-      return {{{found, link.unchecked(), kDrives}, Finding::Verdict::kDoubtful}};
-    return {{{found + ", with the cell's settings", "", kDrives}, Finding::Verdict::kWell}};
-  } catch (const WorkError& error) {
-    return {faulty(kDrives, error.refusal(), "see doc/linuxcnc.md")};
-  }
+  const auto judge = [&](const LinuxcncLink& link, const MachineState& state) {
+    Finding finding =
+        well(name_of(host) + (link.unchecked().empty() ? ", with the cell's settings" : ""), state);
+    finding.remedy = link.unchecked();
+    if (!finding.remedy.empty()) finding.verdict = Finding::Verdict::kDoubtful;
+    return finding;
+  };
+  return examine_link<LinuxcncLink>(host, "", "look at LinuxCNC's own messages",
+                                    "see doc/linuxcnc.md", judge);
 }
 
 }  // namespace planar

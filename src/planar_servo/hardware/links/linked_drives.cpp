@@ -15,6 +15,21 @@ namespace {
 constexpr double kBrakingMargin_s = 2.0;
 constexpr std::chrono::milliseconds kBrakingPoll{2};
 
+/// Returns how far two places are apart at most, where their difference may exceed 32 bits.
+std::int64_t apart(const Pulses& a, const Pulses& b) {
+  return (a.cast<std::int64_t>() - b.cast<std::int64_t>()).cwiseAbs().maxCoeff();
+}
+
+/// Throws DriveError for a sum beyond 32 bits: the machine would take it for a place on the other
+/// side.
+std::int32_t within_counts(std::int64_t sum, const std::string& name, int joint) {
+  const auto count = static_cast<std::int32_t>(sum);
+  if (count == sum) return count;
+  throw DriveError(
+      fmt::format("{}: drive {} would count {}, more than 32 bits hold", name, joint + 1, sum),
+      Cause::kUnreachable);
+}
+
 }  // namespace
 
 LinkedDrives::LinkedDrives(std::string name, const std::array<DriveLimits, 3>& rated, Open open,
@@ -114,7 +129,7 @@ void LinkedDrives::forget(const std::string& why) {
 
 void LinkedDrives::check_rest() {
   if (!rest_) rest_ = state_.counts;
-  if ((state_.counts - *rest_).cwiseAbs().maxCoeff() <= in_position_) return;
+  if (apart(state_.counts, *rest_) <= in_position_) return;
   const std::string why = fmt::format(
       "it stands at {} counts, where it rested at {}: it was restarted, or moved by somebody else",
       fmt::join(state_.counts, ", "), fmt::join(*rest_, ", "));
@@ -125,7 +140,7 @@ void LinkedDrives::check_rest() {
 
 void LinkedDrives::judge_rest() {
   const auto is_at = [&](const std::optional<Pulses>& target) {
-    return target && (state_.counts - *target).cwiseAbs().maxCoeff() <= in_position_;
+    return target && apart(state_.counts, *target) <= in_position_;
   };
   if (is_at(goal_)) held_ = goal_;
   if (is_at(held_)) state_.counts = *held_;
@@ -178,29 +193,25 @@ void LinkedDrives::brake_to_rest() {
   }
 }
 
-/// Returns why the machine cannot be sent anywhere, or nothing.
-std::string LinkedDrives::hindrance() const {
-  if (!link_) return error_.text();
-  if (!state_.faults.empty()) return state_.faults.front();
-  if (!missed_.empty()) return missed_;
-  if (state_.homing) return "it is being homed";
-  if (!state_.on) return "it is not switched on";
-  for (std::size_t i = 0; i < 3; ++i)
-    if (!joints_[i].certain) return fmt::format("the position of drive {} is not certain", i + 1);
-  return "";
-}
-
 void LinkedDrives::require_ready() const {
-  if (const std::string why = hindrance(); !why.empty())
-    throw DriveError(fmt::format("{} cannot move: {}", name_, why),
-                     link_ ? Cause::kDevice : error_.cause);
+  const auto refuse = [&](const std::string& why, Cause cause = Cause::kDevice) {
+    throw DriveError(fmt::format("{} cannot move: {}", name_, why), cause);
+  };
+  if (!link_) refuse(error_.text(), error_.cause);
+  if (!state_.faults.empty()) refuse(state_.faults.front());
+  if (!missed_.empty()) refuse(missed_);
+  if (state_.homing) refuse("it is being homed");
+  if (!state_.on) refuse("it is not switched on");
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!joints_[i].certain) refuse(fmt::format("the position of drive {} is not certain", i + 1));
 }
 
 void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses) {
   read();
   require_ready();
   Pulses target;
-  for (std::size_t i = 0; i < 3; ++i) target[i] = targets_pulses[i] + joints_[i].zero;
+  for (int i = 0; i < 3; ++i)
+    target[i] = within_counts(std::int64_t{targets_pulses[i]} + joints_[i].zero, name_, i);
   if (goal_ == target) return;
   if (state_.moving) {
     halt();
@@ -239,8 +250,11 @@ DriveStatus LinkedDrives::status_of(std::size_t joint) const {
     status.faults.push_back(error_.text());
     return status;
   }
-  status.position_pulses = state_.counts[joint] - joints_[joint].zero;
-  status.target_pulses = goal_.value_or(state_.counts)[joint] - joints_[joint].zero;
+  const auto pulses = [&](std::int64_t count) {
+    return static_cast<std::int32_t>(count - joints_[joint].zero);
+  };
+  status.position_pulses = pulses(state_.counts[joint]);
+  status.target_pulses = pulses(goal_.value_or(state_.counts)[joint]);
   status.energized = state_.on;
   status.moving = state_.moving;
   status.homing = homing_joint_ == joint;
@@ -266,9 +280,9 @@ void LinkedDrives::set_position(int joint, std::int32_t position_pulses) {
   read();
   if (link_ && (state_.moving || state_.homing))
     throw DriveError(fmt::format("{} moves; it can be told where it stands only at rest", name_));
-  command("take a position", [&] {
-    joints_.at(joint) = {state_.counts[joint] - position_pulses, true};
-  });
+  const std::int64_t zero = std::int64_t{state_.counts[joint]} - position_pulses;
+  const Joint told{within_counts(zero, name_, joint), true};
+  command("take a position", [&] { joints_.at(joint) = told; });
 }
 
 void LinkedDrives::forget_positions() {

@@ -65,7 +65,7 @@ class LinkedDrives final : public DriveGroup {
   /// Notes where the machine came to rest beside its target.
   void judge_rest();
   void brake_to_rest();
-  std::string hindrance() const;
+  /// Throws DriveError that says why the machine cannot be sent anywhere, if it cannot.
   void require_ready() const;
   DriveStatus status_of(std::size_t joint) const;
 

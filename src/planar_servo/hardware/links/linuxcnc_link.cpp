@@ -200,6 +200,8 @@ RshConnection::~RshConnection() {
 }
 
 void RshConnection::send(const std::string& line) {
+  while (hear(0.0)) {  // late answers to earlier lines
+  }
   const std::string text = line + "\r\n";
   if (::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(text.size()))
     throw WorkError(Refusal{"LinuxCNC takes nothing: the connection is closed", "start it again",
@@ -225,20 +227,24 @@ std::string RshConnection::get(const std::string& what) {
   // A line gets lost where another connection's comes at the same moment, and moves are watched
   // meanwhile: it is asked anew before DeadMansHandle brakes.
   constexpr int kTries = 16;
-  constexpr double kSurely_s = kAnswer_s / kTries;
+  constexpr std::chrono::duration<double> kSurely{kAnswer_s / kTries};
   const std::string name = what.substr(0, what.find(' '));
-  std::optional<std::string> answer;
+  std::string last;
   for (int i = 0; i < kTries; ++i) {
     send("get " + what);
-    answer = hear(kSurely_s);
-    if (answer && names(*answer, 0, name) && !ends(*answer, kNakOf))
-      return answer->substr(name.size() + 1);
-    while (hear(std::chrono::duration<double>(kApart).count())) {
+    const auto until = std::chrono::steady_clock::now() + kSurely;
+    const auto left_s = [&] {
+      const std::chrono::duration<double> left = until - std::chrono::steady_clock::now();
+      return std::max(0.0, left.count());
+    };
+    // Answers to lines that DeadMansHandle has sent may come first.
+    while (auto answer = hear(left_s())) {
+      last = *answer;
+      if (names(last, 0, name) && !ends(last, kNakOf)) return last.substr(name.size() + 1);
     }
   }
-  if (answer)
-    throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, *answer),
-                    Cause::kDevice);
+  if (!last.empty())
+    throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, last), Cause::kDevice);
   throw WorkError(
       {fmt::format("LinuxCNC does not answer 'get {}' within {:.0f} s", what, kAnswer_s),
        "look at the machine; start LinuxCNC again", "", Cause::kDevice});

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/hardware/drives/grbl_board.h"
 
 namespace planar {
 namespace {
@@ -63,12 +64,7 @@ ModbusLink::ModbusLink(const ModbusLine& line)
     : line_(line),
       context_(modbus_new_rtu(line.port.c_str(), line.baud, line.parity, kDataBits, line.stop_bits),
                close_modbus) {
-  if (!context_ || modbus_connect(context_.get()) != 0)
-    throw WorkError({fmt::format("{} cannot be opened: {}", line.port, modbus_strerror(errno)),
-                     "look at the port's name, the permission to use it and the cable", "",
-                     errno == EBUSY    ? Cause::kBusy
-                     : errno == ENOENT ? Cause::kMissing
-                                       : Cause::kSystem});
+  if (!context_ || modbus_connect(context_.get()) != 0) throw WorkError(why_not_opened(line.port));
   ioctl(modbus_get_socket(context_.get()), TIOCEXCL);  // nobody else opens it from now on
   constexpr std::uint32_t kSecond_us = 1000000;
   const auto answer_us = static_cast<std::uint32_t>(std::lround(line.answer_s * kSecond_us));
@@ -189,14 +185,14 @@ void ModbusLink::broadcast(const RegisterWrite& write) {
   std::this_thread::sleep_for(kPause);
 }
 
-/// Where one driver has failed, the others stop; nobody waits for its answer.
+/// Where one driver has failed, the others stop; its answer is waited for once at most.
 void ModbusLink::stop_all_that_hear() {
   try {
     for (const RegisterWrite& write : line_.map.stop) {
       if (line_.map.start) broadcast(write);
       for (std::size_t i = 0; i < 3 && !line_.map.start; ++i) {
         modbus_set_slave(context_.get(), line_.addresses[i]);
-        write_words(write.address, words_of(write, {}));
+        if (write_words(write.address, words_of(write, {})) < 0) modbus_flush(context_.get());
       }
     }
   } catch (const WorkError&) {
@@ -229,7 +225,7 @@ void ModbusLink::start(const std::array<Move, 3>& moves) {
 }
 
 void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) {
-  if (!proven_) prove_word_order(counts);
+  if (!proven_) return begin_proof(counts, limits);
   const MoveTime time = time_of(counts - here_, limits);
   std::array<Move, 3> moves{};
   for (std::size_t i = 0; i < 3; ++i) moves[i] = move_of(i, counts[i] - here_[i], counts[i], time);
@@ -240,7 +236,8 @@ void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& l
 void ModbusLink::stop() {
   target_.reset();
   search_.reset();
-  if (line_.map.start) stop_all_that_hear();  // before one that does not answer is waited for
+  proof_.reset();
+  stop_all_that_hear();  // before one that does not answer is asked again
   std::optional<WorkError> failure;
   for (std::size_t i = 0; i < 3; ++i) {
     try {
@@ -312,8 +309,12 @@ MachineState ModbusLink::read() {
   if (search_ && !state.moving) end_search();
   if (!unfound_.empty()) state.faults.push_back(unfound_);
   state.homing = search_.has_value();
-  may_move_ = may_move_ && (state.moving || begins);
   here_ = state.counts;
+  if (proof_) {
+    follow_proof(state.moving);
+    state.moving = true;
+  }
+  may_move_ = may_move_ && (state.moving || begins);
   return state;
 }
 
@@ -346,35 +347,38 @@ void ModbusLink::check_word_order(const Pulses& counts) {
 
 /// A driver at 0 cannot show the order of its words: 1 would be 65,536. So one motor makes one
 /// count, as slowly as it can, and is stopped where it goes elsewhere.
-void ModbusLink::prove_word_order(const Pulses& toward) {
+void ModbusLink::begin_proof(const Pulses& then, const std::array<DriveLimits, 3>& limits) {
   // One turn per minute, or so few counts that even 65,536 times as many move it little within a
   // look; and a gentle ramp.
   constexpr double kSlow_counts_s = 10.0, kGentle_counts_s2 = 10.0;
-  constexpr std::chrono::milliseconds kPatience{1000};
-  const Pulses rest = here_;
   std::array<Move, 3> moves{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double turn = line_.counts_per_turn[i];
-    moves[i] = {rest[i], line_.map.speed_number(kSlow_counts_s, turn),
+    moves[i] = {here_[i], line_.map.speed_number(kSlow_counts_s, turn),
                 line_.map.acceleration_number(kGentle_counts_s2, turn)};
   }
-  int motor = 0;
-  (toward - rest).cwiseAbs().maxCoeff(&motor);
-  const int count = rest[motor] + (toward[motor] >= rest[motor] ? 1 : -1);
+  std::size_t motor = 0;
+  (then - here_).cwiseAbs().maxCoeff(&motor);
+  const int from = here_[motor], count = from + (then[motor] >= from ? 1 : -1);
   moves[motor].position = count;
   target_.reset();
+  proof_ = {motor, from, count, then, limits};
   start(moves);
-  const auto until = Clock::now() + kPatience;
-  do {
-    const bool moves_still = read().moving;
-    proven_ = here_[motor] == count;
-    if (proven_ && !moves_still) return;
-  } while (std::abs(here_[motor] - rest[motor]) <= 1 && Clock::now() < until);
-  proven_ = false;
-  const int went = here_[motor];
+}
+
+void ModbusLink::follow_proof(bool moves) {
+  constexpr std::chrono::milliseconds kPatience{1000};
+  const auto [motor, from, count, then, limits] = *proof_;
+  const int there = here_[motor];
+  proven_ = there == count && !moves;
+  if (proven_) {
+    proof_.reset();
+    return go_to(then, limits);
+  }
+  if (std::abs(there - from) <= 1 && Clock::now() - started_ < kPatience) return;
   stop();
   throw WorkError({fmt::format("{} was sent from {} to {} and says that it is at {}", name(motor),
-                               rest[motor], count, went),
+                               from, count, there),
                    "the two words of its position may be exchanged: look at word_order in the map",
                    "", Cause::kContradiction});
 }

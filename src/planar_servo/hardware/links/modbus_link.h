@@ -47,8 +47,9 @@ class ModbusLink final : public MachineLink {
   ModbusLink& operator=(const ModbusLink&) = delete;
 
   void switch_on() override;
-  /// Throws WorkError, with the motors at rest, when the first move of a driver that stood at 0 and
-  /// so could not show the order of its words goes elsewhere.
+  /// The first move of drivers that stood at 0, and so could not show the order of their words,
+  /// begins with a single count; read() throws WorkError, with the motors at rest, when that goes
+  /// elsewhere.
   void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) override;
   /// Tells every driver, whatever another one answers.
   void stop() override;
@@ -66,6 +67,13 @@ class ModbusLink final : public MachineLink {
   struct Search {
     std::size_t driver;
     bool moves{false}, has_moved{false}, is_found{false};
+  };
+  /// One count that a motor makes to show the order of words, and the move that waits for it.
+  struct Proof {
+    std::size_t motor;
+    int from, count;
+    Pulses then;
+    std::array<DriveLimits, 3> limits;
   };
 
   /// Does something on the line with a driver, again where it fails. Throws WorkError with `what`.
@@ -86,7 +94,8 @@ class ModbusLink final : public MachineLink {
   std::string left_behind(const MachineState& state) const;
   void end_search();
   void check_word_order(const Pulses& counts);
-  void prove_word_order(const Pulses& toward);
+  void begin_proof(const Pulses& then, const std::array<DriveLimits, 3>& limits);
+  void follow_proof(bool moves);
   std::string name(std::size_t motor) const;
 
   using Clock = std::chrono::steady_clock;
@@ -97,6 +106,7 @@ class ModbusLink final : public MachineLink {
   bool proven_{false};    ///< positions have shown the order of words
   bool may_move_{false};  ///< from the first telegram that moves a driver until a rest was seen
   std::optional<Search> search_;
+  std::optional<Proof> proof_;
   std::string unfound_;  ///< how the last search failed
   Pulses here_{0, 0, 0};
   std::optional<Pulses> target_;               ///< of a move that may not have begun yet

@@ -186,13 +186,14 @@ void check_whole(YamlReader& file, const ModbusMap& map) {
                 "leave it out of move, or leave start out", "", Cause::kContradiction},
                "start");
   const int bits = 16 * map.status.words;
-  const auto check_bit = [&](const StatusBit& bit, const char* key) {
-    file.check(bit.bit < bits, {fmt::format("is bit {} of {}", bit.bit, bits), kBitRule}, key);
+  const auto check_bit = [&](const std::optional<StatusBit>& bit, const char* key) {
+    if (bit)
+      file.check(bit->bit < bits, {fmt::format("is bit {} of {}", bit->bit, bits), kBitRule}, key);
   };
   check_bit(map.moving, "moving");
-  if (map.on) check_bit(*map.on, "on");
-  if (map.fault) check_bit(*map.fault, "fault");
-  if (map.homed) check_bit(*map.homed, "homed");
+  check_bit(map.on, "on");
+  check_bit(map.fault, "fault");
+  check_bit(map.homed, "homed");
 }
 
 }  // namespace

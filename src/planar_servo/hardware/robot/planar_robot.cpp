@@ -257,8 +257,10 @@ void PlanarRobot::recover(double patience_s) {
     } catch (const DriveError&) {
       if (clock_.now_s() + pause_s > deadline_s) throw;
     }
-    throw_if_stopped();
-    clock_.sleep_for_s(pause_s);
+    for (const double until_s = clock_.now_s() + pause_s; clock_.now_s() < until_s;) {
+      throw_if_stopped();
+      clock_.sleep_for_s(kPollPeriod_s);
+    }
     throw_if_stopped();
   }
 }
@@ -388,13 +390,11 @@ void PlanarRobot::throw_failure(const std::string& fault) const {
                        "see to the machine, then `enable`, or start again", "", Cause::kStopped});
 }
 
-PlanarRobot::Status PlanarRobot::require_well() {
+PlanarRobot::Status PlanarRobot::require_well(const char* does) {
   Status status = this->status();
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!status[i].faults.empty())
-      throw_failure(fmt::format("drive {} reports: {}", i + 1, words_of(status[i])));
-    if (!status[i].energized) throw_failure(fmt::format("drive {} is switched off", i + 1));
-  }
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!status[i].faults.empty() || !status[i].energized)
+      throw_failure(fmt::format("drive {} {}: {}", i + 1, does, words_of(status[i])));
   return status;
 }
 
@@ -422,10 +422,7 @@ void PlanarRobot::wait_for_rest(double duration_s) {
 }
 
 PlanarRobot::Status PlanarRobot::status_under_way() {
-  Status status = this->status();
-  for (std::size_t i = 0; i < 3; ++i)
-    if (!status[i].faults.empty() || !status[i].energized)
-      throw_failure(fmt::format("drive {} failed on its way: {}", i + 1, words_of(status[i])));
+  Status status = require_well("failed on its way");
   note_speeds(status);
   return status;
 }
@@ -461,9 +458,8 @@ double PlanarRobot::longest_move_s(const Pulses& target) const {
 
 void PlanarRobot::read_positions(const Status& status) {
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!status[i].answers) continue;
     commanded_pulses_[i].reset();
-    if (status[i].position_certain && !forgotten_[i])
+    if (status[i].answers && status[i].position_certain && !forgotten_[i])
       commanded_pulses_[i] = status[i].position_pulses;
   }
 }

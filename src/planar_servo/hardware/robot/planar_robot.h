@@ -163,7 +163,9 @@ class PlanarRobot {
   /// DriveError with the cause and that drive.
   template <typename Deed>
   auto or_halt(const Deed& deed);
-  Status require_well();
+  /// Returns the drives' states. Throws DriveError for one that is faulty or off, which `does`
+  /// says.
+  Status require_well(const char* does = "reports");
   /// As require_well(), requires also that every drive knows its position, and notes the speeds.
   Status require_ready();
   bool stopped() const { return stop_ && stop_(); }

@@ -107,20 +107,4 @@ struct CellHands {
 /// instead.
 std::string obey_command(const std::string& line, LiveCell& cell, const CellHands& hands);
 
-/// Reads lines from an open file, without waiting longer than it is told to.
-class LineInput {
- public:
-  /// The descriptor stays open.
-  explicit LineInput(int descriptor) : descriptor_(descriptor) {}
-
-  /// Waits at most this long, and returns the whole lines that have come. Once the input has ended
-  /// it only waits.
-  std::vector<std::string> lines_within(double timeout_s);
-
- private:
-  int descriptor_;
-  bool ended_{false};
-  std::string begun_;
-};
-
 }  // namespace planar

@@ -108,14 +108,14 @@ ShaftPipe::~ShaftPipe() {
 
 void ShaftPipe::read() {
   constexpr double kWait_s = 0.05;
-  for (const std::string& line : lines_->lines_within(kWait_s)) {
+  for (auto line = lines_->next(kWait_s); line; line = lines_->next(0.0)) {
     constexpr char kRecount[] = "at ";
-    const bool recounts = line.rfind(kRecount, 0) == 0;
+    const bool recounts = line->rfind(kRecount, 0) == 0;
     EmulatedGrbl::Pulses counts;
-    std::istringstream text(recounts ? line.substr(std::strlen(kRecount)) : line);
+    std::istringstream text(recounts ? line->substr(std::strlen(kRecount)) : *line);
     text >> counts[0] >> counts[1] >> counts[2];
     if (!text || !(text >> std::ws).eof())
-      throw WorkError({fmt::format("'{}' is not where three motors are", line),
+      throw WorkError({fmt::format("'{}' is not where three motors are", *line),
                        "write three counts to a line", pipe_, Cause::kDevice});
     if (recounts) zero_ = here_ - counts;
     here_ = counts + zero_;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "planar_servo/base/io/line_reader.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/machine/rehearsal/emulated_grbl.h"
 #include "planar_servo/machine/rehearsal/firmware_board.h"
@@ -63,7 +64,7 @@ class ShaftPipe {
   int descriptor_;
   EmulatedGrbl::Pulses here_{0, 0, 0}, zero_{0, 0, 0};  ///< zero_ is where the counts are 0
   EmulatedGrbl::OnPosition on_position_;
-  std::optional<LineInput> lines_;
+  std::optional<LineReader> lines_;
   std::optional<Repeater> reader_;
 };
 

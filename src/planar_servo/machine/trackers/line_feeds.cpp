@@ -68,7 +68,7 @@ FileFeed::~FileFeed() {
 }
 
 bool FileFeed::open() {
-  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would be waited for
   offset_ = 0;
   return file_ >= 0;
 }

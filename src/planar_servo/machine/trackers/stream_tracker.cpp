@@ -72,7 +72,7 @@ void ReadingStream::take_line(std::string_view line) {
   try {
     event.reading = lines_->next(line);
     if (!event.reading) return;
-  } catch (const InputError& error) {
+  } catch (const std::exception& error) {  // whatever it is, who waits is to hear of it
     event.fault = error.what();
   }
   events_.push_back(std::move(event));

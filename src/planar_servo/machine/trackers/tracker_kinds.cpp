@@ -163,7 +163,7 @@ TrackerAnswer AskedTracker::ask(const std::string& what) {
 }
 
 const StreamDetails& stream_details(const CellSettings& cell) {
-  return static_cast<const StreamDetails&>(*cell.tracker.details);
+  return details_of<StreamDetails>(cell.tracker);
 }
 
 std::shared_ptr<const DeviceDetails> FileTrackerKind::read(Fields& tracker) const {
