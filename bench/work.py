@@ -196,7 +196,7 @@ def homings(bin, cell, bare, rng, figures, starts):
         if not said:
             figures.add("not homed, refused", 1.0)
             continue
-        # Two test turns: 1 deg of motor 2 and a quarter turn of joint 3, known from what the log says.
+        # The turns of motor 2 and of joint 3 that told elbows and lamps apart, from what the log says.
         turns = [float(t) for t in re.findall(r"motor 2 turns by (\S+) deg", done.stderr)]
         three = [float(t) for t in re.findall(r"motor 3 turns by (\S+) deg", done.stderr)]
         stands = [home[0], home[1] + sum(turns), home[2] + sum(turns) + sum(three)]

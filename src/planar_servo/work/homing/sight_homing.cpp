@@ -4,8 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -13,23 +13,24 @@
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/loop/servo/motion_guard.h"
+#include "planar_servo/work/homing/posture_candidates.h"
 
 namespace planar {
 namespace {
 
 constexpr char kByHand[] =
-    "turn the arm by hand to where both lamps are in view, well inside its limits and workspace, "
-    "and start again, or name marks under home (reference: taught), turn it to them and start with "
-    "--at-marks";
-/// An arm may stand as far beyond its limits: they end up to 5 degrees before its stops, and zeros
-/// and links are a little off.
-constexpr double kBeyond = 6.0 * kDegree;
-/// What takes up the play of a gear, and the turn that is then looked at.
-constexpr double kTakeUp = 0.3 * kDegree, kTestTurn = 0.7 * kDegree;
-/// Joint 3's turn that tells which lamp is which, where the end point is not midway between them:
-/// the middle moves by 2.8 times its distance from there in opposite senses. Half a turn would tell
+    "turn the arm by hand to where both lamps are in view and the elbow is bent by 10 degrees or "
+    "more, well inside limits and workspace and clear of obstacles, and start again, or name marks "
+    "under home (reference: taught), turn it to them and start with --at-marks";
+constexpr char kMidway[] =
+    "no pose tells more: name marks under home (reference: taught), turn the arm to them and start "
+    "with --at-marks, or mount the lamps with their middle a millimetre beside joint 3's axis and "
+    "calibrate again";
+/// The turn of motor 2 that is looked at, and that of joint 3. By a quarter the middle of the lamps
+/// moves by 2.8 times its distance from the end point in opposite senses; half a turn would tell
 /// most, but limits of whole turns never allow it for both.
-constexpr double kQuarter = 90.0 * kDegree;
+constexpr double kTestTurn = 0.7 * kDegree, kQuarter = 90.0 * kDegree;
+constexpr int kMostTurns = 24;  // there and back again
 /// Looks that are averaged: the air moves a single one by a few hundredths of a pixel.
 constexpr int kLooks = 4;
 
@@ -56,32 +57,28 @@ Eigen::Vector2d middle_of(const LampPlaces& lamps) {
   return 0.5 * (lamps[0] + lamps[1]);
 }
 
-/// A posture that the lamps in a picture allow.
-struct PostureCandidate {
-  Joints theta{0.0, 0.0, 0.0};  ///< with every motor on the turn within its limits nearest to home
-  Elbow elbow{Elbow::kLeft};
-  bool exchanged{false};  ///< the first of the lamps seen is lamp 2
+/// What postures differ in, and the turn of a motor that tells it.
+struct PostureQuestion {
+  bool (*answer)(const PostureCandidate&);
+  const char* what;
+  const char* remedy;  ///< where no turn tells it
+  int motor;
+  double take_up, turn;  ///< what takes up the play of the gear, and what is then looked at
 };
 
-/// Returns the postures of an arm whose lamps are at these places, in any order: both elbows, and
-/// both orders of the lamps (theory section 20), where turns of the motors bring them within their
-/// limits.
-std::vector<PostureCandidate> posture_candidates(const CalibratedCell& cell,
-                                                 const LampPlaces& lamps_B) {
-  std::vector<PostureCandidate> candidates;
-  for (const bool exchanged : {false, true}) {
-    const TipPose tip = tip_from_places({lamps_B[exchanged ? 1 : 0], lamps_B[exchanged ? 0 : 1]},
-                                        cell.vision->tool);
-    for (const Elbow elbow : {Elbow::kLeft, Elbow::kRight}) {
-      const InverseResult inverse = cell.planner.arm().inverse(tip, elbow, cell.settings.arm.home);
-      if (inverse.status != ReachStatus::kOk) continue;
-      const auto theta = cell.planner.transmission().branch_within_limits(
-          inverse.theta, cell.settings.arm.home, {-kBeyond, -kBeyond});
-      if (theta) candidates.push_back({*theta, elbow, exchanged});
-    }
+/// How a turn moves the middle of the lamps, by the postures that answer no and by those with yes.
+using PostureMoves = std::array<std::vector<Eigen::Vector2d>, 2>;
+
+/// How a move that was seen fits those of the postures.
+struct MoveFit {
+  std::array<double, 2> misses_m{HUGE_VAL, HUGE_VAL};  ///< of the best that answers no, and yes
+  double allowed_m{0.0};                               ///< by scatter alone
+
+  bool answer() const { return misses_m[1] < misses_m[0]; }
+  bool tells() const {
+    return misses_m[answer()] <= allowed_m && std::abs(misses_m[1] - misses_m[0]) >= allowed_m;
   }
-  return candidates;
-}
+};
 
 class SightHoming {
  public:
@@ -90,60 +87,110 @@ class SightHoming {
     left_ = posture_candidates(cell, seen_);
     if (left_.empty())
       throw WorkError({"no posture within the limits has its lamps where they are seen",
-                       "compare the links' lengths and limits in the cell file with the arm", "",
-                       Cause::kContradiction});
+                       "bend the elbow by hand where the arm is stretched, and compare links' "
+                       "lengths and limits in the cell file with the arm",
+                       "", Cause::kContradiction});
   }
 
   /// Turns joints until one posture is left, takes up the play of the gears there as every approach
   /// does, so that the arm stands as it did where it was found, and returns it.
   PostureCandidate single_posture() {
-    tell_apart(
-        1, kTakeUp, kTestTurn, [](const PostureCandidate& c) { return c.elbow; },
-        "the elbow's side");
-    tell_apart(
-        2, 0.0, kQuarter, [](const PostureCandidate& c) { return c.exchanged; },
-        "which lamp is which");
+    tell_apart({[](const PostureCandidate& c) { return c.elbow == Elbow::kLeft; },
+                "the elbow's side", kByHand, 1, cell_.settings.servo.approach_margin_rad,
+                kTestTurn});
+    tell_apart({[](const PostureCandidate& c) { return c.exchanged; }, "which lamp is which",
+                kMidway, 2, 0.0, kQuarter});
     take_up_play();
     return left_.front();
   }
 
  private:
-  /// Turns a motor where candidates differ in a property, and keeps those that moved as seen.
-  template <typename Property>
-  void tell_apart(int motor, double take_up, double turn, const Property& property,
-                  const char* what) {
-    const bool differ = std::any_of(left_.begin(), left_.end(), [&](const PostureCandidate& c) {
-      return property(c) != property(left_.front());
-    });
-    if (!differ) return;
-    const double sign = allowed_sign(motor, take_up + turn, what);
-    if (take_up > 0.0) move(motor, sign * take_up);
-    std::vector<Eigen::Vector2d> moves;  // that each posture predicts for the middle of the lamps
-    moves.reserve(left_.size());
-    for (const PostureCandidate& c : left_)
-      moves.emplace_back(middle_at(turned(c.theta, motor, sign * turn)) - middle_at(c.theta));
+  /// Turns a motor where candidates differ in an answer, and keeps those that moved as seen.
+  void tell_apart(const PostureQuestion& q) {
+    if (const auto [no, yes] = moves_by(q, q.turn); no.empty() || yes.empty()) return;
+    const double turn = telling_turn(q);
+    if (q.take_up > 0.0) move(q.motor, std::copysign(q.take_up, turn));
+    const PostureMoves moves = moves_by(q, turn);
     Eigen::Vector2d sum(0.0, 0.0);
     for (int n = 1;; ++n) {
       const double sense = n % 2 == 1 ? 1.0 : -1.0;
       const Eigen::Vector2d before = middle_of(seen_);
-      move(motor, sense * sign * turn);
+      move(q.motor, sense * turn);
       sum += sense * (middle_of(seen_) - before);
-      if (keeps_those_that_moved(moves, sum / n, n, property, what)) return;
+      const MoveFit fit = fit_of(moves, sum / n, n);
+      const auto unlike = [&](const PostureCandidate& c) { return q.answer(c) != fit.answer(); };
+      if (fit.tells())
+        return void(left_.erase(std::remove_if(left_.begin(), left_.end(), unlike), left_.end()));
+      if (n == kMostTurns) throw in_doubt(q, fit);
     }
   }
 
-  void take_up_play() {
-    const Transmission& transmission = cell_.planner.transmission();
-    const Joints theta = left_.front().theta;
-    const ApproachWay way = approach_way(cell_.planner, cell_.settings.servo, theta, theta);
-    const auto stays = [] {
-      spdlog::warn("homing by sight: there is no room to take up the play of the gears here");
+  /// Returns the first allowed turn by which postures that differ move the lamps differently.
+  double telling_turn(const PostureQuestion& q) const {
+    const auto turns = test_turns(cell_.planner, left_, q.motor, q.take_up, q.turn);
+    if (turns.empty())
+      throw WorkError(
+          {fmt::format("homing by sight cannot tell {}: motor {} may turn in no sense by "
+                       "a quarter of {:.3g} deg in every posture that is possible",
+                       q.what, q.motor + 1, q.turn / kDegree),
+           kByHand, "", Cause::kUnreachable});
+    const auto foreseen = [&](double turn) {
+      const PostureMoves moves = moves_by(q, turn);
+      return fit_of(moves, moves[0].front(), kMostTurns);
     };
-    if (way.refusal || way.barred) return stays();
-    const Eigen::Vector3d back =
-        transmission.motors_from_joints(way.stops.front()) - transmission.motors_from_joints(theta);
-    for (int i = 0; i < 3; ++i)
-      if (!may_turn(theta, i, back[i])) return stays();
+    for (const double turn : turns)
+      if (foreseen(turn).tells()) return turn;
+    throw in_doubt(q, foreseen(turns.front()));
+  }
+
+  PostureMoves moves_by(const PostureQuestion& q, double turn) const {
+    const auto middle = [&](const PostureCandidate& c, double by) {
+      const Joints theta = turned(cell_.planner.transmission(), c.theta, q.motor, by);
+      return middle_of(lamps_at(*cell_.vision, cell_.planner.arm().forward(theta)));
+    };
+    PostureMoves moves;
+    for (const PostureCandidate& c : left_)
+      moves[q.answer(c)].emplace_back(middle(c, turn) - middle(c, 0.0));
+    return moves;
+  }
+
+  /// Returns how the mean of `n` moves fits.
+  MoveFit fit_of(const PostureMoves& moves, const Eigen::Vector2d& seen, int n) const {
+    // A gear may turn by this share more or less within a small angle.
+    constexpr double kGearShare = 0.05, kSigmas = 4.0;
+    // Of a move: looks of moving air, and two stops of the arm as it was found, or of one whose
+    // maker states a repeatability of 0.06 mm: those of small arms are 0.02 to 0.2 mm.
+    const double stop_m = cell_.planner.found() ? cell_.planner.scatter_m() : 20e-6;
+    MoveFit fit;
+    for (std::size_t i = 0; i < 2; ++i)
+      for (const Eigen::Vector2d& move : moves[i])
+        fit.misses_m[i] = std::min(fit.misses_m[i], (seen - move).norm());
+    // Moves that follow each other share a stop and a look.
+    fit.allowed_m =
+        kSigmas * std::hypot(10e-6, std::sqrt(2.0) * stop_m) * std::sqrt(2.0 * n - 1.0) / n +
+        kGearShare * moves[0].front().norm();
+    return fit;
+  }
+
+  static WorkError in_doubt(const PostureQuestion& q, const MoveFit& fit) {
+    return WorkError(
+        {fmt::format("homing by sight cannot tell {}: turns of motor {} bring the lamps "
+                     "{:.3f} mm from where one answer has them and {:.3f} mm from "
+                     "where the other does; {:.3f} mm would tell",
+                     q.what, q.motor + 1, mm(fit.misses_m[0]), mm(fit.misses_m[1]),
+                     mm(fit.allowed_m)),
+         q.remedy, "", Cause::kInsufficient});
+  }
+
+  void take_up_play() {
+    const auto& [theta, elbow, exchanged, planner] = left_.front();
+    const ApproachWay way = approach_way(planner, cell_.settings.servo, theta, theta);
+    bool room = !way.refusal && !way.barred;
+    for (int i = 0; room && i < 3; ++i) {
+      const Joints back = way.stops.front() - theta;
+      room = may_turn(planner, theta, i, planner.transmission().motors_from_joints(back)[i]);
+    }
+    if (!room) return spdlog::warn("homing by sight: no room to take up the gears' play here");
     robot_.set_joints(theta);
     for (const Joints& stop : way.stops) go_to(stop);
   }
@@ -158,89 +205,10 @@ class SightHoming {
   void move(int motor, double turn) {
     robot_.set_joints(left_.front().theta);
     for (PostureCandidate& candidate : left_)
-      candidate.theta = turned(candidate.theta, motor, turn);
-    spdlog::info("homing by sight: motor {} turns by {:.1f} deg", motor + 1, turn / kDegree);
+      candidate.theta = turned(cell_.planner.transmission(), candidate.theta, motor, turn);
+    spdlog::info("homing by sight: motor {} turns by {:.3f} deg", motor + 1, turn / kDegree);
     go_to(left_.front().theta);
     seen_ = seen_places(sensor_, *cell_.vision);
-  }
-
-  /// Keeps the postures with the property of the one that predicts the mean move of `n` turns best,
-  /// where it tells. Throws WorkError where that is still in doubt and these were the last turns.
-  template <typename Property>
-  bool keeps_those_that_moved(const std::vector<Eigen::Vector2d>& moves,
-                              const Eigen::Vector2d& seen, int n, const Property& property,
-                              const char* what) {
-    constexpr int kMostTurns = 24;  // there and back again
-    // A gear may turn by this share more or less within a small angle.
-    constexpr double kGearShare = 0.05, kSigmas = 4.0;
-    // Of a move: looks of moving air, and two stops of the arm as it was found, or of one whose
-    // maker states a repeatability of 0.06 mm: those of small arms are 0.02 to 0.2 mm.
-    const double stop_m = cell_.planner.found() ? cell_.planner.scatter_m() : 20e-6;
-    // Moves that follow each other share a stop and a look.
-    const double scatter_m =
-        kSigmas * std::hypot(10e-6, std::sqrt(2.0) * stop_m) * std::sqrt(2.0 * n - 1.0) / n;
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < moves.size(); ++i)
-      if ((seen - moves[i]).norm() < (seen - moves[best]).norm()) best = i;
-    const double miss = (seen - moves[best]).norm();
-    std::vector<PostureCandidate> kept;
-    double next = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < moves.size(); ++i) {
-      if (property(left_[i]) == property(left_[best]))
-        kept.push_back(left_[i]);
-      else
-        next = std::min(next, (seen - moves[i]).norm());
-    }
-    const double allowed = scatter_m + kGearShare * moves[best].norm();
-    if (miss <= allowed && next - miss >= allowed) {
-      left_ = std::move(kept);
-      return true;
-    }
-    if (n == kMostTurns)
-      throw WorkError({fmt::format("homing by sight leaves a doubt about {}: the lamps moved by "
-                                   "{:.3f} mm, {:.3f} mm from what one posture says and {:.3f} mm "
-                                   "from what another does, where {:.3f} mm would tell",
-                                   what, mm(seen.norm()), mm(miss), mm(next), mm(allowed)),
-                       kByHand, "", Cause::kInsufficient});
-    return false;
-  }
-
-  /// Returns where the middle of the lamps is in a posture.
-  Eigen::Vector2d middle_at(const Joints& theta) const {
-    return middle_of(lamps_at(*cell_.vision, cell_.planner.arm().forward(theta)));
-  }
-
-  Joints turned(const Joints& theta, int motor, double turn) const {
-    const Transmission& transmission = cell_.planner.transmission();
-    return transmission.joints_from_motors(transmission.motors_from_joints(theta) +
-                                           turn * Eigen::Vector3d::Unit(motor));
-  }
-
-  /// Returns the sense in which all postures may make a turn.
-  double allowed_sign(int motor, double turn, const char* what) const {
-    for (const double sign : {1.0, -1.0})
-      if (std::all_of(left_.begin(), left_.end(), [&](const PostureCandidate& candidate) {
-            return may_turn(candidate.theta, motor, sign * turn);
-          }))
-        return sign;
-    throw WorkError({fmt::format("{} cannot be told: motor {} may turn by {:.0f} deg in neither "
-                                 "sense in every posture that is possible",
-                                 what, motor + 1, turn / kDegree),
-                     kByHand, "", Cause::kUnreachable});
-  }
-
-  bool may_turn(const Joints& theta, int motor, double turn) const {
-    const Joints end = turned(theta, motor, turn);
-    if (cell_.planner.transmission().limit_violation(end)) return false;
-    if (cell_.planner.way_refusal(theta, end)) return false;
-    const Eigen::Vector2d limits =
-        cell_.settings.transmission.limits_rad[static_cast<std::size_t>(motor)];
-    const double angle = cell_.planner.transmission().motors_from_joints(theta)[motor];
-    // Nobody knows on which of its turns the motor stands.
-    const double whole = 2.0 * kPi;
-    const double highest = angle + whole * std::floor((limits[1] - angle) / whole);
-    const double lowest = angle - whole * std::floor((angle - limits[0]) / whole);
-    return highest + turn <= limits[1] && lowest + turn >= limits[0];
   }
 
   const CalibratedCell& cell_;
@@ -257,8 +225,8 @@ std::string turns_text(const CalibratedCell& cell, const Joints& theta) {
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector2d limits =
         cell.settings.transmission.limits_rad[static_cast<std::size_t>(i)];
-    const double below = std::floor((motors[i] - limits[0] + kBeyond) / (2.0 * kPi));
-    const double above = std::floor((limits[1] + kBeyond - motors[i]) / (2.0 * kPi));
+    const double below = std::floor((motors[i] - limits[0] + kBeyondLimits) / (2.0 * kPi));
+    const double above = std::floor((limits[1] + kBeyondLimits - motors[i]) / (2.0 * kPi));
     if (below + above == 0.0) continue;
     text += fmt::format("{}motor {} stands at {:.1f} deg, or whole turns from there",
                         text.empty() ? "" : ", ", i + 1, motors[i] / kDegree);

@@ -8,12 +8,12 @@
 namespace planar {
 
 /// Finds how the joints of a calibrated arm stand, in any pose in which both lamps are seen, and
-/// sets the drives' positions. Small turns of motor 2 tell the elbows apart, a quarter turn of
-/// joint 3 tells which lamp is which. Each is made only where the limits, the workspace and the
-/// obstacles allow it for every posture and every turn of the motors that is still possible. Of
-/// several turns of a motor within its limits `may_home` is asked for the one nearest to home.
-/// Throws WorkError where the lamps are not seen, a turn that is needed is not allowed, or what is
-/// seen fits no posture or several; the drives do not know their position then.
+/// sets the drives' positions. Small turns of motor 2 tell the elbows apart, a turn of joint 3
+/// tells which lamp is which: only test_turns(), which every posture and every turn of the motors
+/// that is still possible allow. Of several turns of a motor within its limits `may_home` is asked
+/// for the one nearest to home. Throws WorkError where the lamps are not seen, no turn that tells
+/// is allowed, or what is seen fits no posture or several; the drives do not know their position
+/// then.
 void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor& sensor,
                    const MayHome& may_home);
 
