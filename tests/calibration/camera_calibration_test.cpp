@@ -128,6 +128,32 @@ TEST_CASE("opencv_14 predicts views of a lens without prism and tilt as well as 
   CHECK(found.held_out_rms_px.value() < (1.0 + kOfNoise) * rational.held_out_rms_px.value());
 }
 
+std::vector<double> numbers_of(const CameraModel& camera) {
+  const Intrinsics k = intrinsics(camera);
+  std::vector<double> numbers{k.fx, k.fy, k.cx, k.cy};
+  for (const double coefficient : distortion_coefficients(camera)) numbers.push_back(coefficient);
+  return numbers;
+}
+
+TEST_CASE("Deviations that are stated hold, and none is stated of terms that trade off") {
+  const std::pair<std::string, CameraModel> cameras[] = {
+      {"rational_polynomial", Rational(kTiltedLens)}, {"opencv_14", kTiltedLens}};
+  for (const auto& [model, camera] : cameras) {
+    INFO(model);
+    CalibrationProblem problem = views_of_board(camera, 12, model, 0.0, kNoise_px, 100);
+    problem.leaves_views_out = false;
+    const CameraCalibration found = calibrate_camera(problem);
+    const std::vector<double> truth = numbers_of(camera), fitted = numbers_of(found.camera);
+    const std::vector<double>& sigma = found.standard_deviations;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      CAPTURE(i, sigma[i]);
+      CHECK((std::isnan(sigma[i]) || std::abs(fitted[i] - truth[i]) <= kDeviations * sigma[i]));
+    }
+    CHECK(std::isnan(sigma[4]));                            // k1, which k4 makes up for
+    CHECK(std::isnan(sigma[2]) == (model == "opencv_14"));  // cx, which the tilt makes up for
+  }
+}
+
 TEST_CASE("Pictures through a lens with prism and tilt calibrate to a hundredth of a pixel") {
   constexpr double kDotDiameter = 0.018;
   constexpr double kCentreError_px = 0.02;  // of 8-bit grey levels without noise

@@ -184,6 +184,12 @@ TEST_CASE("What is left beside a step shows the step and nothing of the field") 
   }
 }
 
+TEST_CASE("Errors of exactly nothing have no step") {
+  std::vector<TimedError> nothing;
+  for (int i = 0; i < 40; ++i) nothing.push_back({{0.01 * (i % 8), 0.01 * (i / 8)}, {0.0, 0.0}});
+  CHECK_FALSE(find_change(nothing));
+}
+
 TEST_CASE("One outlier is no step, and few places say nothing") {
   std::vector<TimedError> errors = healthy_errors(1, Visit::kAtRandom);
   errors.back().error.x() += 0.3 * kMillimetre;

@@ -6,7 +6,7 @@
 
 #include "calibration/synthetic_cell.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "support/refused.h"
 
 namespace planar {

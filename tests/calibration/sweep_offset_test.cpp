@@ -50,4 +50,10 @@ TEST_CASE("Angles that hardly vary determine no offset") {
   CHECK_THROWS_MATCHES(fit_sweep_offset({}), InputError, Refused(Cause::kInsufficient, "0 usable"));
 }
 
+TEST_CASE("A sweep of two places, which fit whatever their noise, is refused") {
+  const std::vector<SweepPoint> two{{0, 0.0, {0.1, 0.2}}, {0, kPi, {0.12, 0.26}}};
+  CHECK_THROWS_MATCHES(fit_sweep_offset(two), InputError,
+                       test::Refused(Cause::kInsufficient, "2 usable"));
+}
+
 }  // namespace planar

@@ -8,7 +8,7 @@
 #include "planar_servo/calibration/pairing.h"
 #include "planar_servo/geometry/lens/lens_models.h"
 #include "planar_servo/geometry/lens/workplane.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 
 namespace planar::test {
 

@@ -62,6 +62,35 @@ TEST_CASE("Lengths are the board's, whatever lengths the arm is thought to have"
   CHECK(found.rms == Approx(0.01 * 0.33).epsilon(0.15));
 }
 
+TEST_CASE("Plane and end point scatter as stated where places and directions are to one side") {
+  const SyntheticCell cell = quiet_cell();
+  constexpr int kDraws = 60;
+  Eigen::Array4d squares = Eigen::Array4d::Zero();
+  for (int draw = 0; draw < kDraws; ++draw) {
+    std::mt19937 random(100 + draw);
+    std::uniform_real_distribution<double> place(0.1, 0.4), turn(-1.0, 1.0);
+    std::normal_distribution<double> eccentric(0.0, 0.1 * kMillimetre);
+    std::vector<SentSight> sent;
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Vector2d p{place(random), place(random)};
+      sent.push_back({cell.sight("p" + std::to_string(i), p, turn(random), random), p});
+      sent.back().p_sent_B += Eigen::Vector2d{eccentric(random), eccentric(random)};
+    }
+    const WorkplaneFit found = fit(cell, sent);
+    const Eigen::Vector2d tool = found.tool.p_TP - cell.tool_ref.p_TP;
+    const Eigen::Vector2d camera =
+        (found.X_WC.translation() - cell.X_WC_ref.translation()).head<2>();
+    squares += Eigen::Array4d(tool.x(), tool.y(), camera.x(), camera.y()).square() /
+               Eigen::Array4d(found.tool.covariance(0, 0), found.tool.covariance(1, 1),
+                              found.covariance(0, 0), found.covariance(1, 1)) /
+               kDraws;
+  }
+  CAPTURE(squares.transpose());
+  // A mean of 60 squares of Student's t of 15 degrees of freedom, 1.15, deviates by 0.25.
+  CHECK((squares > 0.6).all());
+  CHECK((squares < 2.0).all());
+}
+
 TEST_CASE("A place that the arm did not reach is left out and named") {
   const SyntheticCell cell = quiet_cell();
   std::vector<SentSight> sent = sent_anywhere(cell);

@@ -55,6 +55,17 @@ TEST_CASE("A map of thousands of samples is much nearer to the truth than one sa
   CHECK_FALSE(fit.map.predict({0.7, 0.7}).inside);
 }
 
+TEST_CASE("A smooth table with two decimals, whose errors are alike but for steps, is kept") {
+  constexpr double kStep = 1e-5, kSlope = 5e-5;
+  std::vector<ErrorSample> samples;
+  for (const Eigen::Vector2d& p : test::random_positions(1600, 5)) {
+    ErrorSample& sample = samples.emplace_back();
+    sample.p_vision = p;
+    sample.error = kStep * (kSlope / kStep * p).array().round();
+  }
+  CHECK(fit_sparse(merge_samples(samples)).outliers.size() < samples.size() / 100);
+}
+
 TEST_CASE("Outliers among thousands are found, from a tenth of a millimetre to half a metre") {
   const double size = GENERATE(0.1e-3, 0.5);
   MapSites sites = glow_sites(2000, 3);

@@ -45,6 +45,36 @@ TEST_CASE("Heights of the reflector tell by how much the axes lean") {
   for (int i = 0; i < 4; ++i) CHECK(found.sigma[i] < 0.5 * unknown.sigma[i]);
 }
 
+TEST_CASE("Heights that are all alike, as nobody reads them, tell nothing") {
+  ArmNominal nominal = test::BentCell().nominal();
+  nominal.tool.p_TS.z() = kAbove_m;
+  std::mt19937 random(3);
+  std::vector<PoseSample> samples = test::BentCell().samples(40, 0, random);
+  const AxisLeans unknown = axis_leans(nominal, samples);
+  for (PoseSample& sample : samples) sample.reflector_z = 0.08;
+  CHECK(axis_leans(nominal, samples).sigma == unknown.sigma);
+}
+
+TEST_CASE("Few heights tell no more than they know") {
+  ArmNominal nominal = test::BentCell().nominal();
+  nominal.tool.p_TS.z() = kAbove_m;
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  constexpr int kDraws = 200;
+  double squares = 0.0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::Matrix<double, 6, 1> lean = axis_leans(nominal, {}).sigma;
+    for (Eigen::Index i = 0; i < 6; ++i) lean[i] *= (i < 2 ? 1.0 : 0.3) * normal(random);
+    std::vector<PoseSample> samples = with_heights(nominal, lean, random);
+    samples.resize(18);
+    const AxisLeans found = axis_leans(nominal, samples);
+    squares +=
+        (found.shift - lean).cwiseQuotient(found.sigma).head<2>().squaredNorm() / 2.0 / kDraws;
+  }
+  CAPTURE(squares);
+  CHECK(squares < 1.5);
+}
+
 TEST_CASE("A height that was read wrong by a millimetre leans nothing") {
   ArmNominal nominal = test::BentCell().nominal();
   nominal.tool.p_TS.z() = kAbove_m;

@@ -52,6 +52,20 @@ TEST_CASE("Air that moves pictures of both lamps is in what is stated of places 
   CHECK(hold_out(estimate, samples).coverage_95 == Approx(0.95).margin(0.06));
 }
 
+TEST_CASE("The lamps' noise turns a reflector far from the end point, as is stated") {
+  test::BentCell cell;
+  cell.noise_reflector = 3e-6;
+  cell.noise_lamp = 5e-6;
+  cell.reflector_T = {0.12, 0.0};
+  std::mt19937 random(36);
+  JointEstimate estimate;
+  estimate.nominal = cell.nominal();
+  estimate.nominal.tool.p_TS.head<2>() = cell.reflector_T;
+  const auto samples = cell.samples(120, 0, random);
+  estimate.fit = fit_jointly(estimate.model(), estimate.priors, samples, 0.6).value();
+  CHECK(hold_out(estimate, samples).coverage_95 == Approx(0.95).margin(0.06));
+}
+
 TEST_CASE("Readings of one place leave together") {
   // Four readings at each of 25 places share an error of their place.
   const test::BentCell cell;
@@ -82,6 +96,9 @@ TEST_CASE("Without readings nothing is judged, and the arm alone fixes scale and
   CHECK(fit.held_out.n == 0);
   CHECK_FALSE(fit.held_out.worth_using());
   CHECK(fit.n_unattended == 60);
+  const JointPriors& priors = fit.estimate.priors;
+  CHECK(fit.noise_sigma == Approx(std::hypot(priors.lamp_factor * cell.noise_lamp / std::sqrt(2.0),
+                                             priors.air_sigma)));
   CHECK(fit.fixed_by.scale == FieldSource::kArm);
   CHECK(fit.fixed_by.turn == FieldSource::kNothing);
 }

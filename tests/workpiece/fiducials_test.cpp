@@ -7,7 +7,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/lens/workplane.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
-#include "planar_servo/virtual_cell/virtual_works.h"
+#include "planar_servo/virtual_cell/virtual_sheets.h"
 
 namespace planar {
 namespace {

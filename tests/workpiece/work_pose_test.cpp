@@ -101,6 +101,16 @@ TEST_CASE(
   CHECK(fit_work(two, WorkMap::kRigid)->chance() < kFalseAlarm);
 }
 
+TEST_CASE("A mark is told to contradict the others however uncertain all of them are together") {
+  WorkMarks marks = four_marks();
+  constexpr double kShared_m = 1e-4;
+  marks.shared = (kShared_m * kShared_m * Eigen::Matrix2d::Identity()).replicate(4, 4);
+  marks.p_B.col(2) += Eigen::Vector2d(10.0 * kNoise_m, 0.0);
+  const auto odd = contradicting_mark(marks, WorkMap::kRigid);
+  REQUIRE(odd);
+  CHECK(odd->mark == 2);
+}
+
 TEST_CASE("A similarity takes a shrunk print, an affine map a skewed one") {
   WorkMarks shrunk = four_marks();
   shrunk.p_B = ((0.998 * rotation2d(kTurn)) * shrunk.p_W).colwise() + kOrigin;

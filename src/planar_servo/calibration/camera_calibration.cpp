@@ -348,12 +348,16 @@ CameraCalibration calibrate_camera(const CalibrationProblem& problem,
                                                     : ChosenModel{problem.model};
   result.model = chosen.name;
   result.is_auto = problem.model == kAuto;
-  const Calibrator calibrator(distinct, model_named(result.model, models), rejected);
+  const CalibrationModel& model = model_named(result.model, models);
+  const Calibrator calibrator(distinct, model, rejected);
   result.camera = calibrator.lens().camera;
   result.width_px = problem.width_px;
   result.height_px = problem.height_px;
   CameraUncertainty uncertainty = calibrator.uncertainty();
   uncertainty.as_good = chosen.as_good;
+  if (!is_fitted_by_visp(model))  // which minimises other squares
+    uncertainty.traded_off =
+        traded_off(calibrator.lens(), calibrator.views(), model.free_coefficients);
   const Eigen::VectorXd sigma = deviations(uncertainty, result.camera);
   result.standard_deviations.assign(sigma.begin(), sigma.end());
   result.standard_deviations.resize(4 + distortion_coefficients(result.camera).size(), 0.0);

@@ -45,9 +45,8 @@ struct CameraCalibration {
   int width_px{0};
   int height_px{0};
   double rms_px{0.0};  ///< root of the mean square distance over all points used
-  /// Of fx, fy, cx, cy and the distortion coefficients in the model's order, by the fit's linear
-  /// part; zero for coefficients that were fixed at zero. Terms that trade off against each other,
-  /// as the tilt and the tangential terms of opencv_14, are off by more, together.
+  /// Of fx, fy, cx, cy and the distortion coefficients in the model's order; zero for coefficients
+  /// that were fixed at zero, NaN for those that the views do not tell by themselves: traded_off().
   std::vector<double> standard_deviations;
   std::vector<CalibratedView> views;
   std::vector<Rejection> rejected;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "planar_servo/base/core/decompositions.h"
@@ -153,6 +154,23 @@ void require_small(double rms, double field) {
                     "workplane", Cause::kContradiction});
 }
 
+/// Returns the covariance of shift, turn and p_TP at unit size, by what the alignment leaves.
+Eigen::Matrix<double, 5, 5> covariance_of(const Alignment& alignment,
+                                          const std::vector<FlatSight>& sights) {
+  Eigen::MatrixXd J(2 * sights.size(), 5);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const Eigen::Matrix2d R = rotation2d(alignment.turn);
+    const Eigen::Matrix2d of_tool = rotation2d(sights[i].phi);
+    const Eigen::Vector2d tip = R * (sights[i].middle + of_tool * alignment.p_TP);
+    J.middleRows<2>(static_cast<Eigen::Index>(2 * i)) << Eigen::Matrix2d::Identity(),
+        Eigen::Vector2d(-tip.y(), tip.x()), R * of_tool;
+    squares += std::pow(alignment.distance(sights[i]), 2);
+  }
+  return squares / static_cast<double>(J.rows() - J.cols()) *
+         solve_symmetric(J.transpose() * J, Eigen::MatrixXd::Identity(5, 5));
+}
+
 Pose in_base(const Alignment& alignment, const Pose& X_WC) {
   Pose turn = Pose::Identity();
   turn.linear().topLeftCorner<2, 2>() = rotation2d(alignment.turn);
@@ -189,11 +207,11 @@ WorkplaneFit fit_workplane_to_arm(const CameraModel& camera, const std::vector<P
   fit.tool.reflector_known = false;
   fit.n_used = seen.size();
   fit.absorbed = 3;
-  const double variance = 0.5 * fit.rms * fit.rms / static_cast<double>(seen.size());
-  fit.tool.covariance.topLeftCorner<2, 2>().diagonal().setConstant(variance);
-  fit.covariance.topLeftCorner<2, 2>().diagonal().setConstant(variance);
-  fit.covariance(5, 5) = variance / std::pow(field_of(seen), 2);
+  const Eigen::Matrix<double, 5, 5> covariance = covariance_of(alignment, seen);
+  const std::array<int, 3> in_plane{0, 1, 5}, shift_and_turn{0, 1, 2};  // about the camera's foot
+  fit.covariance(in_plane, in_plane) = covariance(shift_and_turn, shift_and_turn);
   fit.covariance.block<3, 3>(2, 2) = scatter_of_planes(fit.X_WC, planes);
+  fit.tool.covariance.topLeftCorner<2, 2>() = covariance.bottomRightCorner<2, 2>();
   return fit;
 }
 

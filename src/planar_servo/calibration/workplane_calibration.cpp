@@ -58,6 +58,14 @@ SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points) {
                       "record a plan with rows 'sweep3' in which joint 3 alone turns through half "
                       "a turn or more",
                       "tool offsets", Cause::kInsufficient});
+  const double freedom =
+      2.0 * static_cast<double>(points.size()) - 2.0 * static_cast<double>(means.size()) - 2.0;
+  if (!(freedom > 0.0))
+    throw InputError({fmt::format("{} usable places in {} sweeps of joint 3 do not show how well "
+                                  "they agree",
+                                  points.size(), means.size()),
+                      "record three places or more in a sweep", "tool offsets",
+                      Cause::kInsufficient});
   SweepOffset result;
   result.offset = sum / information;
   double square = 0.0;
@@ -67,9 +75,7 @@ SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points) {
     square += residual.squaredNorm();
     result.residuals.push_back(residual.norm());
   }
-  const double freedom =
-      2.0 * static_cast<double>(points.size()) - 2.0 * static_cast<double>(means.size()) - 2.0;
-  if (freedom > 0.0) result.variance = square / freedom / information;
+  result.variance = square / freedom / information;
   return result;
 }
 

@@ -6,7 +6,7 @@
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/calibration/pairing.h"
 #include "planar_servo/geometry/lens/camera_model.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 
 namespace planar {
 
@@ -27,7 +27,7 @@ struct SweepOffset {
 /// Fits p_i = P_sweep(i) + R(phi_i) offset by least squares, with a free position P of the axis in
 /// each sweep. With z = p - mean p and C = R - mean R per sweep, sum C^T C = s I and offset = sum
 /// C^T z / s. Throws InputError when the angles vary so little that the offset would be less
-/// certain than a single reading (s < 1).
+/// certain than a single reading (s < 1), and when no place is left to show the points' noise.
 SweepOffset fit_sweep_offset(const std::vector<SweepPoint>& points);
 
 /// The pose of the camera over the plane of the lamps, and the offsets of the tool in it.

@@ -227,6 +227,21 @@ std::vector<MarkCandidate> candidates_in(const Picture& picture, const VisionCal
   return candidates;
 }
 
+/// Returns the covariance of a mark's mean with what uneven light and rims shift a centre by, which
+/// the rim's own noise does not show: the least of doc/lamps.md.
+Eigen::Matrix2d own_px2(const MeanFiducial& mean) {
+  constexpr double kLight_px = 0.01;
+  return mean.covariance_px2 + kLight_px * kLight_px * Eigen::Matrix2d::Identity();
+}
+
+/// Returns the standard deviation of the distance between the first two marks.
+double distance_sigma(const WorkMarks& marks) {
+  const Eigen::Vector2d along = (marks.p_B.col(1) - marks.p_B.col(0)).normalized();
+  Eigen::VectorXd slope = Eigen::VectorXd::Zero(marks.p_B.size());
+  slope.head<4>() << -along, along;
+  return std::sqrt(slope.dot(marks.covariance() * slope));
+}
+
 /// The marks of a place, as seen at calibration and on their plane.
 struct MeasuredMarks {
   std::vector<MeanFiducial> means;
@@ -251,16 +266,13 @@ MeasuredMarks measure_marks(const Constellation& constellation,
     take_off_eccentricity(vision, drawing[i], means.back());
   }
   take_scatter(drawing, means);
-  // What uneven light and rims shift a centre by, which the rim's own noise does not show: the
-  // least of doc/lamps.md.
-  constexpr double kLight_px = 0.01;
   Points uv_px;
-  std::vector<Eigen::Matrix2d> own_px2;
+  std::vector<Eigen::Matrix2d> all_px2;
   for (const MeanFiducial& mean : means) {
     uv_px.push_back(mean.uv_px);
-    own_px2.emplace_back(mean.covariance_px2 + kLight_px * kLight_px * Eigen::Matrix2d::Identity());
+    all_px2.push_back(own_px2(mean));
   }
-  return {means, marks_on_plane(vision, drawing, uv_px, own_px2)};
+  return {means, marks_on_plane(vision, drawing, uv_px, all_px2)};
 }
 
 /// Adds to all marks in common what the map has of the lamps instead of the lens. Boards do not
@@ -337,6 +349,29 @@ WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
   refuse_misfit(marks, *rigid);
 }
 
+void add_remarks(const WorkMarks& marks, const WorkSettings& settings,
+                 const VisionCalibration& vision, FoundWork& work) {
+  if (marks.size() == 2) {
+    const double power =
+        4.0 * std::hypot(std::sqrt(2.0) * settings.drawing_sigma, distance_sigma(marks));
+    work.remarks.push_back(fmt::format(
+        "two marks have one check, their distance: a mark that is off by less than {:.3f} mm along "
+        "their line, or by anything across it, is not noticed",
+        mm(power)));
+  }
+  if (!vision.error_map)
+    work.remarks.emplace_back(
+        "vision is not compensated; what the lens model leaves is not in the uncertainty");
+  else if (std::holds_alternative<ErrorMap>(*vision.error_map))
+    work.remarks.emplace_back(
+        "the error map does not tell the lens from the lamps: nothing is taken off the marks, and "
+        "its error stands in their uncertainty");
+  else
+    work.remarks.emplace_back(
+        "a shift common to all marks, of what the error map has of the lamps instead of the lens, "
+        "stands in the uncertainty");
+}
+
 FoundWork work_at(const Constellation& constellation, const std::vector<MarkCandidate>& candidates,
                   const std::vector<Picture>& pictures, const VisionCalibration& vision,
                   const std::vector<Fiducial>& drawing, const WorkSettings& settings) {
@@ -354,30 +389,8 @@ FoundWork work_at(const Constellation& constellation, const std::vector<MarkCand
                               per_axis(marks.covariance().block<2, 2>(2 * at, 2 * at)),
                               is_round(drawing[i].kind) ? means[i].size_px / scale : 0.0});
   }
+  add_remarks(marks, settings, vision, work);
   return work;
-}
-
-void add_remarks(FoundWork& work, const WorkSettings& settings, const VisionCalibration& vision) {
-  if (work.fiducials.size() == 2) {
-    const auto& [first, second] = std::pair(work.fiducials[0], work.fiducials[1]);
-    const double power = 4.0 * std::sqrt(2.0) *
-                         std::hypot(settings.drawing_sigma, std::max(first.sigma, second.sigma));
-    work.remarks.push_back(fmt::format(
-        "two marks have one check, their distance: a mark that is off by less than {:.3f} mm along "
-        "their line, or by anything across it, is not noticed",
-        mm(power)));
-  }
-  if (!vision.error_map)
-    work.remarks.emplace_back(
-        "vision is not compensated; what the lens model leaves is not in the uncertainty");
-  else if (std::holds_alternative<ErrorMap>(*vision.error_map))
-    work.remarks.emplace_back(
-        "the error map does not tell the lens from the lamps: nothing is taken off the marks, and "
-        "its error stands in their uncertainty");
-  else
-    work.remarks.emplace_back(
-        "a shift common to all marks, of what the error map has of the lamps instead of the lens, "
-        "stands in the uncertainty");
 }
 
 [[noreturn]] void refuse_ambiguous(const std::vector<Constellation>& found) {
@@ -436,10 +449,8 @@ std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionC
   const std::vector<Constellation> found = match_constellation(drawing, candidates, settings.place);
   if (found.size() > 1 && (!settings.all || share_marks(found))) refuse_ambiguous(found);
   std::vector<FoundWork> works;
-  for (const Constellation& constellation : found) {
+  for (const Constellation& constellation : found)
     works.push_back(work_at(constellation, candidates, pictures, vision, drawing, settings));
-    add_remarks(works.back(), settings, vision);
-  }
   number_works(works, drawing);
   return works;
 }
@@ -455,12 +466,9 @@ std::vector<BarSight> see_bars(const std::vector<Frame>& frames, const VisionCal
     partners[second].insert(first);
     if (!partners[first].insert(second).second) continue;
     const WorkMarks marks = measure_marks(found, candidates, pictures, vision, bar).marks;
-    const Eigen::Vector2d along = marks.p_B.col(1) - marks.p_B.col(0);
-    Eigen::Vector4d slope;
-    slope << -along.normalized(), along.normalized();
     bars.push_back({{marks.p_B.col(0), marks.p_B.col(1)},
-                    along.norm(),
-                    std::sqrt(slope.dot(marks.covariance() * slope))});
+                    (marks.p_B.col(1) - marks.p_B.col(0)).norm(),
+                    distance_sigma(marks)});
   }
   for (const auto& [mark, others] : partners)
     if (others.size() > 1)
@@ -483,8 +491,7 @@ std::vector<FoundFiducial> see_like(const std::vector<Frame>& frames,
     std::vector<MeanFiducial> means{*mean};
     take_off_eccentricity(vision, form, means.front());
     take_scatter({form}, means);
-    const WorkMarks marks =
-        marks_on_plane(vision, {form}, {means[0].uv_px}, {means[0].covariance_px2});
+    const WorkMarks marks = marks_on_plane(vision, {form}, {means[0].uv_px}, {own_px2(means[0])});
     found.push_back({form, means[0].uv_px, marks.p_B.col(0), Eigen::Vector2d::Zero(),
                      per_axis(marks.covariance()), candidate.size});
     if (form.kind == FiducialKind::kAprilTag)

@@ -1,5 +1,6 @@
 #include "planar_servo/workpiece/work_pose.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "planar_servo/base/core/decompositions.h"
@@ -137,19 +138,17 @@ std::optional<WorkFit> fit_work(const WorkMarks& marks, WorkMap map) {
 }
 
 std::optional<ContradictingMark> contradicting_mark(const WorkMarks& marks, WorkMap map) {
-  constexpr double kClearSigmas = 4.0;
   std::optional<ContradictingMark> odd;
-  if (marks.size() <= least_marks(map)) return std::nullopt;
+  const auto all = fit_work(marks, map);
+  if (!all) return std::nullopt;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     const auto rest = fit_work(marks.without(i), map);
     if (!rest || rest->freedom == 0 || rest->chance() < kFalseAlarm) continue;
-    const auto mark = static_cast<Eigen::Index>(i);
-    const double distance = (marks.p_B.col(mark) - rest->pose.in_base(marks.p_W.col(mark))).norm();
-    const Eigen::Matrix2d covariance = rest->pose.covariance_at(marks.p_W.col(mark)) +
-                                       marks.covariance().block<2, 2>(2 * mark, 2 * mark);
-    if (distance < kClearSigmas * per_axis(covariance)) continue;
+    // A mark adds its two numbers' chi squared, whatever it shares with the others.
+    if (chi_square_tail(std::max(0.0, all->chi2 - rest->chi2), 2) >= kFalseAlarm) continue;
     if (odd) return std::nullopt;
-    odd = {i, distance};
+    const auto mark = static_cast<Eigen::Index>(i);
+    odd = {i, (marks.p_B.col(mark) - rest->pose.in_base(marks.p_W.col(mark))).norm()};
   }
   return odd;
 }

@@ -11,10 +11,12 @@
 namespace planar {
 namespace {
 
-constexpr double kCoefficientStep = 1e-4;
+constexpr double kCoefficientStep = 1e-5;
 /// Least singular value of a Jacobian scaled to columns of length 1. Below it the rounding of its
-/// differences decides about the inverse.
-constexpr double kLeastSingularValue = 1e-9;
+/// differences decides about the inverse; the parameters change together without any effect then.
+constexpr double kLeastSingularValue = 1e-8;
+/// Least share of a residual that a fit leaves where one view alone tells a combination.
+constexpr double kLeastLeft = 1e-6;
 
 constexpr int kMostSteps = 300;
 constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-8, kMostDamping = 1e9;
@@ -41,18 +43,25 @@ struct ViewEquations {
   double squares{0.0}, points{0.0};
 };
 
-/// Returns the camera with one distortion coefficient a step more, for each.
-std::vector<CameraModel> moved_cameras(const CameraModel& camera, Eigen::Index parameters) {
-  std::vector<CameraModel> moved;
-  for (Eigen::Index c = 4; c < parameters; ++c)
-    moved.push_back(moved_camera(camera, kCoefficientStep * Eigen::VectorXd::Unit(parameters, c)));
+/// The camera with one distortion coefficient a step more and a step less.
+struct MovedCameras {
+  CameraModel more, less;
+};
+
+std::vector<MovedCameras> moved_cameras(const CameraModel& camera, Eigen::Index parameters) {
+  std::vector<MovedCameras> moved;
+  for (Eigen::Index c = 4; c < parameters; ++c) {
+    const Eigen::VectorXd step = kCoefficientStep * Eigen::VectorXd::Unit(parameters, c);
+    moved.push_back({moved_camera(camera, step), moved_camera(camera, -step)});
+  }
   return moved;
 }
 
-/// Returns the equations of a view. The derivatives by the coefficients are differences, because
-/// lens models are nearly linear in them. Empty when a point has no pixel.
+/// Returns the equations of a view. The derivatives by the coefficients are differences to both
+/// sides: coefficients that trade off nearly cancel, which one-sided differences would spoil. Empty
+/// when a point has no pixel.
 std::optional<ViewEquations> equations_of(const CameraModel& camera,
-                                          const std::vector<CameraModel>& moved, const Pose& X_CG,
+                                          const std::vector<MovedCameras>& moved, const Pose& X_CG,
                                           const CalibrationView& view) {
   const Intrinsics k = intrinsics(camera);
   const Eigen::Index rows = 2 * static_cast<Eigen::Index>(view.pixels.size());
@@ -71,9 +80,10 @@ std::optional<ViewEquations> equations_of(const CameraModel& camera,
     J_K.block<2, 4>(row, 0) << (uv->x() - k.cx) / k.fx, 0.0, 1.0, 0.0, 0.0, (uv->y() - k.cy) / k.fy,
         0.0, 1.0;
     for (std::size_t c = 0; c < moved.size(); ++c) {
-      const auto more = project(moved[c], p_C);
-      if (!more) return std::nullopt;
-      J_K.block<2, 1>(row, 4 + static_cast<Eigen::Index>(c)) = (*more - *uv) / kCoefficientStep;
+      const auto more = project(moved[c].more, p_C), less = project(moved[c].less, p_C);
+      if (!more || !less) return std::nullopt;
+      J_K.block<2, 1>(row, 4 + static_cast<Eigen::Index>(c)) =
+          (*more - *less) / (2.0 * kCoefficientStep);
     }
   }
   ViewEquations result;
@@ -140,7 +150,7 @@ class Bundle {
                                      Eigen::Index parameters) {
     Bundle bundle{camera, X_CG};
     try {
-      const std::vector<CameraModel> moved = moved_cameras(camera, parameters);
+      const std::vector<MovedCameras> moved = moved_cameras(camera, parameters);
       for (std::size_t i = 0; i < views.size(); ++i) {
         auto of_view = equations_of(camera, moved, X_CG[i], views[i]);
         if (!of_view) return std::nullopt;
@@ -300,20 +310,24 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
 }
 
 std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information) {
-  const auto n = static_cast<double>(information.jacobians.size());
+  const auto independent = independent_steps(information.jacobians);
+  if (!independent) return std::nullopt;
+  const Eigen::Index n = independent->cols();
   Eigen::MatrixXd steps(information.camera.rows(), information.jacobians.size());
   for (std::size_t i = 0; i < information.jacobians.size(); ++i) {
-    std::vector<Eigen::MatrixXd> others = information.jacobians;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const auto inverse = covariance_from(others);
-    if (!inverse) return std::nullopt;
-    steps.col(static_cast<Eigen::Index>(i)) = *inverse * information.gradients[i];
+    const Eigen::MatrixXd J = information.jacobians[i] * *independent;
+    const SingularValues left =
+        singular_values(Eigen::MatrixXd::Identity(n, n) - J.transpose() * J);
+    const Eigen::VectorXd grown = left.values.cwiseMax(kLeastLeft).cwiseSqrt().cwiseInverse();
+    const Eigen::VectorXd pull = independent->transpose() * information.gradients[i];
+    steps.col(static_cast<Eigen::Index>(i)) =
+        *independent * (left.V * grown.cwiseProduct(left.V.transpose() * pull));
   }
   steps.colwise() -= steps.rowwise().mean().eval();
-  return Eigen::MatrixXd((n - 1.0) / n * steps * steps.transpose());
+  return Eigen::MatrixXd(steps * steps.transpose());
 }
 
-std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd>& jacobians) {
+std::optional<Eigen::MatrixXd> independent_steps(const std::vector<Eigen::MatrixXd>& jacobians) {
   Eigen::Index rows = 0;
   for (const Eigen::MatrixXd& J : jacobians) rows += J.rows();
   Eigen::MatrixXd stacked(rows, jacobians.at(0).cols());
@@ -325,9 +339,14 @@ std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd
   stacked *= scale.asDiagonal();
   if (!stacked.allFinite()) return std::nullopt;
   const SingularValues svd = singular_values(stacked);
-  if (!(svd.values.minCoeff() > kLeastSingularValue)) return std::nullopt;
-  const Eigen::MatrixXd root = scale.asDiagonal() * svd.V * svd.values.cwiseInverse().asDiagonal();
-  return root * root.transpose();
+  const Eigen::VectorXd lengths = svd.values.cwiseMax(kLeastSingularValue).cwiseInverse();
+  return scale.asDiagonal() * svd.V * lengths.asDiagonal();
+}
+
+std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd>& jacobians) {
+  const auto steps = independent_steps(jacobians);
+  if (!steps) return std::nullopt;
+  return *steps * steps->transpose();
 }
 
 }  // namespace planar

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/calibration/board.h"
 #include "planar_servo/calibration/camera/lens_fit.h"
 
@@ -15,11 +16,34 @@ namespace {
 
 constexpr Eigen::Index kGrid = 41;
 /// Of the focal lengths and the principal point, and of a coefficient.
-constexpr double kStep_px = 1e-3, kStep = 1e-6;
+constexpr double kStep_px = 1e-3, kStep = 1e-5;
+/// The sum of squares rises by the variance along a step of one deviation, or about so; it may be
+/// off so far, in variances, without changing a deviation by more than a fifth.
+constexpr double kLeastRise = 0.7, kMostRise = 1.4;
+/// Of a parameter's variance; if less does not hold, that changes its deviation by an eighth.
+constexpr double kMostTraded = 0.25;
 
 Eigen::Array4d four_of(const CameraModel& camera) {
   const Intrinsics k = intrinsics(camera);
   return {k.fx, k.fy, k.cx, k.cy};
+}
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Returns the sum of squares that a camera leaves when its parameters are moved by a step and the
+/// boards' poses follow; NaN where a board cannot be seen so, or no camera is so.
+double squares_left(const CameraModel& camera, const Eigen::VectorXd& step,
+                    const std::vector<CalibrationView>& views) try {
+  const CameraModel moved = moved_camera(camera, step);
+  double squares = 0.0;
+  for (const CalibrationView& view : views) {
+    const auto pose = estimate_board_pose(moved, view.points_G, view.pixels);
+    if (!pose) return kUnknown;
+    squares += pose->rms_px * pose->rms_px * static_cast<double>(view.pixels.size());
+  }
+  return squares;
+} catch (const InputError&) {
+  return kUnknown;
 }
 
 cv::Point2f float_point(const Eigen::Vector2d& uv) {
@@ -57,35 +81,37 @@ class PlaneField {
   Eigen::Index rows() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
   const std::vector<std::pair<Eigen::Index, Eigen::Index>>& cells() const { return cells_; }
 
-  /// Returns how the points move with each of the first parameters, the plane's pose fitted.
+  /// Returns how the points move with each of the first parameters, the plane's pose fitted: a
+  /// pixel stays, and its ray makes up for what the parameter does to the projection.
   Eigen::MatrixXd by_parameters(Eigen::Index parameters) const {
-    Eigen::MatrixXd J(rows(), parameters);
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows(), parameters);
     for (Eigen::Index c = 0; c < parameters; ++c) {
       const double size = c < 4 ? kStep_px : kStep;
       const Eigen::VectorXd step = size * Eigen::VectorXd::Unit(parameters, c);
-      J.col(c) =
-          difference(moved_camera(camera_, step), moved_camera(camera_, -step)) / (2.0 * size);
+      const CameraModel more = moved_camera(camera_, step), less = moved_camera(camera_, -step);
+      for (std::size_t i = 0; i < pixels_.size(); ++i) {
+        Eigen::Matrix2d xy_by_uv;
+        const auto seen = ray(camera_, pixels_[i], &xy_by_uv);
+        const auto a = project(more, *seen), b = project(less, *seen);
+        if (a && b)
+          J.block<2, 1>(2 * static_cast<Eigen::Index>(i), c) =
+              -distance_ / (2.0 * size) * xy_by_uv * (*a - *b);
+      }
     }
     return without_pose(J);
   }
 
-  /// Returns how far another camera's points lie from these, the plane's pose fitted.
+  /// Returns how far another camera's points lie from these, the plane's pose fitted; zero where it
+  /// has no ray.
   Eigen::VectorXd by_camera(const CameraModel& other) const {
-    return without_pose(difference(other, camera_));
+    Eigen::VectorXd off = Eigen::VectorXd::Zero(rows());
+    for (std::size_t i = 0; i < pixels_.size(); ++i)
+      if (const auto seen = ray(other, pixels_[i]))
+        off.segment<2>(2 * static_cast<Eigen::Index>(i)) = distance_ * seen->head<2>() - points_[i];
+    return without_pose(off);
   }
 
  private:
-  /// Returns the points of one camera minus those of another; zero where one has no ray.
-  Eigen::VectorXd difference(const CameraModel& more, const CameraModel& less) const {
-    Eigen::VectorXd off = Eigen::VectorXd::Zero(rows());
-    for (std::size_t i = 0; i < pixels_.size(); ++i) {
-      const auto a = ray(more, pixels_[i]), b = ray(less, pixels_[i]);
-      if (a && b)
-        off.segment<2>(2 * static_cast<Eigen::Index>(i)) = distance_ * (*a - *b).head<2>();
-    }
-    return off;
-  }
-
   /// Returns how the points move with shift, turn, height and two tilts of the plane.
   Eigen::MatrixXd pose_moves() const {
     Eigen::MatrixXd moves(rows(), 6);
@@ -162,6 +188,7 @@ Eigen::VectorXd deviations(const CameraUncertainty& uncertainty, const CameraMod
   for (const CameraModel& other : uncertainty.as_good)
     differences = differences.max((four_of(other) - four_of(camera)).abs());
   variances.head<4>().array() += differences.square();
+  variances(uncertainty.traded_off).setConstant(kUnknown);
   return variances.cwiseSqrt();
 }
 
@@ -176,8 +203,7 @@ double PlaneError::largest() const {
 
 double PlaneError::at(const Eigen::Vector2d& uv_px) const {
   const Eigen::Array2d share = (uv_px - from_px).array() / (to_px - from_px).array();
-  if (!((share >= 0.0).all() && (share <= 1.0).all()))
-    return std::numeric_limits<double>::quiet_NaN();
+  if (!((share >= 0.0).all() && (share <= 1.0).all())) return kUnknown;
   return sigma(std::lround(share.y() * static_cast<double>(sigma.rows() - 1)),
                std::lround(share.x() * static_cast<double>(sigma.cols() - 1)));
 }
@@ -191,7 +217,7 @@ PlaneError plane_error(const CameraModel& camera, const CameraUncertainty& uncer
     error.from_px = error.from_px.cwiseMin(uv);
     error.to_px = error.to_px.cwiseMax(uv);
   }
-  error.sigma.setConstant(kGrid, kGrid, std::numeric_limits<double>::quiet_NaN());
+  error.sigma.setConstant(kGrid, kGrid, kUnknown);
   const PlaneField field(camera, error, hull_of(seen));
   const Eigen::MatrixXd J = field.by_parameters(uncertainty.by_residuals.rows());
   Eigen::ArrayXd squares = variances(J, uncertainty.by_residuals);
@@ -206,6 +232,31 @@ PlaneError plane_error(const CameraModel& camera, const CameraUncertainty& uncer
     error.sigma(field.cells()[i].first, field.cells()[i].second) =
         sigma[static_cast<Eigen::Index>(i)];
   return error;
+}
+
+std::vector<Eigen::Index> traded_off(const LensFit& fit, const std::vector<CalibrationView>& views,
+                                     std::size_t free_coefficients) {
+  const auto information = fit_information(fit, views, free_coefficients);
+  const auto steps = information ? independent_steps(information->jacobians) : std::nullopt;
+  if (!steps) return {};
+  const double variance = information->squares / information->freedom;
+  const auto left = [&](const Eigen::VectorXd& step) {
+    return squares_left(fit.camera, std::sqrt(variance) * step, views) / variance;
+  };
+  const double least = left(Eigen::VectorXd::Zero(steps->rows()));
+  const auto raises = [&](const Eigen::VectorXd& step) {
+    const double rise = left(step) - least;
+    return rise > kLeastRise && rise < kMostRise;
+  };
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(steps->rows()), traded = all;
+  for (const Eigen::VectorXd step : steps->colwise()) {
+    all += step.cwiseAbs2();
+    if (!raises(step) || !raises(-step)) traded += step.cwiseAbs2();
+  }
+  std::vector<Eigen::Index> parameters;
+  for (Eigen::Index i = 0; i < all.size(); ++i)
+    if (traded[i] > kMostTraded * all[i]) parameters.push_back(i);
+  return parameters;
 }
 
 void drop_repeated_views(std::vector<CalibrationView>& views, std::vector<Rejection>& rejected) {

@@ -13,11 +13,12 @@ struct CameraUncertainty {
   Eigen::MatrixXd by_residuals;             ///< covariance if the residuals are noise
   std::optional<Eigen::MatrixXd> by_views;  ///< as the views scatter; for visp without kdu
   std::vector<CameraModel> as_good{};       ///< of other models, which the views do not rule out
+  std::vector<Eigen::Index> traded_off{};   ///< parameters whose deviations do not hold
 };
 
 /// Returns the standard deviations of `camera`: for each parameter the larger one by both
 /// covariances; for fx, fy, cx and cy combined with the largest difference from a model that is as
-/// good.
+/// good. NaN for those that trade off.
 Eigen::VectorXd deviations(const CameraUncertainty& uncertainty, const CameraModel& camera);
 
 /// The uncertainty that a camera's model causes at points of a plane that faces it: what is left of

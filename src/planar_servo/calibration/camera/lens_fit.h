@@ -42,15 +42,26 @@ std::optional<FitInformation> fit_information(const LensFit& fit,
                                               const std::vector<CalibrationView>& views,
                                               std::size_t free_coefficients);
 
-/// Returns the covariance of the camera by the scatter over views: the jackknife [Efron 1982] over
-/// views left out one by one, each by a Gauss-Newton step. Unlike the inverse information times the
-/// mean square residual, it stays valid when a lens of another kind correlates the residuals within
-/// a view. Empty when the views without one of them do not determine the camera.
+/// Returns the covariance of the camera by the scatter over views: the sum of the squares of what
+/// each view pulls, its residuals scaled by what the fit leaves of them [Bell & McCaffrey 2002].
+/// Where residuals are noise it is, in the mean, the inverse information times their mean square;
+/// unlike that it stays valid when a lens of another kind correlates the residuals within a view.
+/// Empty where a parameter has no effect.
 std::optional<Eigen::MatrixXd> scatter_over_views(const FitInformation& information);
 
-/// Returns the covariance of parameters with these Jacobians, stacked, for a variance of 1: the
-/// inverse of the sum of their squares. Empty when it is singular to working precision.
+/// Returns independent steps, as columns, of parameters with these Jacobians, stacked: each is as
+/// long as its deviation for a variance of 1, and their squares add up to the covariance, the
+/// inverse of the sum of the Jacobians' squares. Steps without an effect beyond rounding are very
+/// long. Empty where a parameter has no effect.
+std::optional<Eigen::MatrixXd> independent_steps(const std::vector<Eigen::MatrixXd>& jacobians);
 std::optional<Eigen::MatrixXd> covariance_from(const std::vector<Eigen::MatrixXd>& jacobians);
+
+/// Returns the parameters whose deviations by the covariance do not hold: much of their variance
+/// belongs to independent steps that do not raise the sum of squares by about the variance, as they
+/// should. Such terms (k1 to k6 of the rational model, tilt, tangential terms and principal point
+/// of opencv_14) make up for each other along curves, which no covariance describes.
+std::vector<Eigen::Index> traded_off(const LensFit& fit, const std::vector<CalibrationView>& views,
+                                     std::size_t free_coefficients);
 
 /// Fits the lens of ViSP to all views by vpCalibration (CALIB_VIRTUAL_VS_DIST), which starts from
 /// the pinhole camera of fit_by_bundle(). It minimises two distances at each point: from the pixel

@@ -149,7 +149,7 @@ class SmoothErrors {
           if (tried.log_likelihood > best.log_likelihood) best = tried;
         }
       constexpr double kWorthAnother = 0.05;
-      if (best.log_likelihood < before + kWorthAnother) stride *= 0.5;
+      if (!(best.log_likelihood - before >= kWorthAnother)) stride *= 0.5;
     }
     return best;
   }

@@ -10,7 +10,7 @@
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 
 namespace planar {
 namespace {
@@ -112,13 +112,14 @@ double landing_sigma(const JointEstimate& estimate, const LampField& field,
   return std::sqrt(median(squares) / kMedianOfTwo);
 }
 
-/// The end point lies about midway between the lamps, so their noise counts by half its variance.
-double noise_sigma(const JointEstimate& estimate, const std::vector<PoseSample>& samples) {
+/// The end point lies about midway between the lamps, so their noise counts by half its variance,
+/// and the air, which moves both alike, by all of it.
+double noise_sigma(const JointPriors& priors, const std::vector<PoseSample>& samples) {
   double most = 0.0;
   for (const PoseSample& sample : samples)
-    most = std::max(most,
-                    std::hypot(sample.reflector_B ? sample.sigma_reflector : 0.0,
-                               estimate.priors.lamp_factor * sample.sigma_lamp / std::sqrt(2.0)));
+    most = std::max(most, std::hypot(sample.reflector_B ? sample.sigma_reflector : 0.0,
+                                     priors.lamp_factor * sample.sigma_lamp / std::sqrt(2.0),
+                                     priors.air_sigma));
   return most;
 }
 
@@ -241,7 +242,7 @@ LampFieldFit fit_lamp_field(const ArmNominal& nominal, const std::vector<PoseSam
   fit.n_readings = readings_in(samples);
   fit.n_unattended = samples.size() - fit.n_readings;
   fit.landing_sigma = landing_sigma(fit.estimate, fit.field, samples);
-  fit.noise_sigma = noise_sigma(fit.estimate, samples);
+  fit.noise_sigma = noise_sigma(fit.estimate.priors, samples);
   fit.left_out = ids_of(fit.estimate.left_out, samples);
   fit.fixed_by =
       fixed_by(fit.n_readings - static_cast<std::size_t>(std::count_if(

@@ -75,7 +75,8 @@ struct LampFieldFit {
   std::vector<SourceWorth> sources;  ///< what it was learned from
   /// Between where the arm found puts the end point and where the field sees it, per axis.
   double landing_sigma{0.0};
-  double noise_sigma{0.0};  ///< per axis, of a reading and its lamps together, as the fit found it
+  /// Largest per axis of a reading, its lamps and the air together, as the fit found them.
+  double noise_sigma{0.0};
 
   /// Returns how the field or map that was taken does, and how far the poses agree.
   MapQuality quality() const {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/learn/field/lamp_field.h"
 
 namespace planar {
@@ -37,9 +37,11 @@ Eigen::Vector2d vision_minus_tracker(const TipPose& tip, const ToolOffsets& tool
   return tip.p + rotation2d(tip.phi) * tool.p_TS.head<2>() - p_reflector;
 }
 
-/// Returns the stated variances per axis of that difference. Air moves lamps and end point alike.
-Eigen::Vector2d stated_variances(const CompensatedTip& found, const JointEstimate& estimate,
-                                 const LampField& field, const PoseSample& sample) {
+/// Returns the stated variances per axis of that difference, by a field whose end point is the
+/// reflector. Air moves lamps and reflector alike.
+Eigen::Vector2d stated_variances(const JointEstimate& estimate, const LampField& field,
+                                 const PoseSample& sample) {
+  const CompensatedTip found = compensate(field, sample.lamps_B);
   const double lamp = estimate.priors.lamp_factor * sample.sigma_lamp;
   Eigen::Matrix2d covariance = found.covariance;
   for (const TipSlope& slope : tip_slopes(found.lamps_B, field.tool))
@@ -53,17 +55,19 @@ void judge_readings(const JointEstimate& without, const std::vector<PoseSample>&
                     const std::vector<PoseSample>& left_out,
                     std::vector<HeldOutReading>& readings) {
   const LampField field = lamp_field(without, used);
+  LampField at_reflector = field;
+  at_reflector.tool.p_TP += field.tool.p_TS.head<2>();
   const ArmModel model = without.model();
   const ToolOffsets& tool = without.nominal.tool;
   for (const PoseSample& sample : left_out) {
-    CompensatedTip found = compensate(field, sample.lamps_B);
+    TipPose found = compensated_tip(field, sample.lamps_B);
     const TipPose seen = tip_from_places(sample.lamps_B, tool);
     const Eigen::Vector2d p = *sample.reflector_B;
     const Eigen::Vector2d beside = model.tracker_error(sample.motors, p, without.fit.arm);
-    found.tip.p -= sample.t_h * without.fit.drift_m_per_h;
+    found.p -= sample.t_h * without.fit.drift_m_per_h;
     readings.push_back({seen.p, vision_minus_tracker(seen, tool, p),
-                        vision_minus_tracker(found.tip, field.tool, p - beside),
-                        stated_variances(found, without, field, sample).cwiseSqrt()});
+                        vision_minus_tracker(found, field.tool, p - beside),
+                        stated_variances(without, at_reflector, sample).cwiseSqrt()});
   }
 }
 

@@ -2,7 +2,7 @@
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 
 namespace planar {
 namespace {

@@ -20,6 +20,9 @@ constexpr Eigen::Index kNeighbours = 12;
 /// The limit of a difference over the median; wide, because the field differs over this distance.
 constexpr double kGross = 10.0;
 
+/// The quantile of the residuals around a site by which it is judged.
+constexpr double kLocalShare = 0.9;
+
 std::vector<Eigen::Index> nearest_to(Eigen::Index i, const MapSites& sites) {
   const Eigen::VectorXd distance2 =
       (sites.positions.colwise() - sites.positions.col(i)).colwise().squaredNorm();
@@ -32,29 +35,22 @@ std::vector<Eigen::Index> nearest_to(Eigen::Index i, const MapSites& sites) {
   return {order.begin() + 1, last + 1};
 }
 
-/// For each site the sites nearest to it, at most a dozen, without itself.
-using Neighbours = std::vector<std::vector<Eigen::Index>>;
-
-Neighbours nearest_sites(const MapSites& sites) {
-  Neighbours neighbours;
-  for (Eigen::Index i = 0; i < sites.size(); ++i) neighbours.push_back(nearest_to(i, sites));
-  return neighbours;
+/// Has each site judged by those nearest to it, at most a dozen, without itself.
+Neighbourhoods nearest_sites(const MapSites& sites) {
+  Neighbourhoods near;
+  for (Eigen::Index i = 0; i < sites.size(); ++i) {
+    near.of_site.push_back(near.groups.size());
+    near.groups.push_back(nearest_to(i, sites));
+  }
+  return near;
 }
 
-/// Returns, in order, the sites whose error is roughly the median of their neighbours' errors. It
-/// is a start for finer judgement that withstands up to a third of gross outliers.
-std::vector<Eigen::Index> sites_like_their_neighbours(const MapSites& sites,
-                                                      const Neighbours& neighbours) {
-  std::vector<double> differences;
-  for (Eigen::Index i = 0; i < sites.size(); ++i)
-    differences.push_back(
-        (sites.errors.col(i) - median_error(sites, neighbours[static_cast<std::size_t>(i)]))
-            .norm());
-  const double limit = kGross * median(differences);
-  std::vector<Eigen::Index> alike;
-  for (Eigen::Index i = 0; i < sites.size(); ++i)
-    if (differences[static_cast<std::size_t>(i)] <= limit) alike.push_back(i);
-  return alike;
+Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of) {
+  const auto median_of = [&](Eigen::Index axis) {
+    const Eigen::VectorXd values = sites.errors(axis, of).transpose();
+    return median({values.begin(), values.end()});
+  };
+  return {median_of(0), median_of(1)};
 }
 
 /// With fewer sites an outlier cannot be told from the rest.
@@ -83,29 +79,18 @@ Judgement judge(const MapSites& sites, const std::vector<Eigen::Index>& kept, co
   return judgement;
 }
 
-std::vector<double> of_kept(const Eigen::ArrayXd& values, const std::vector<Eigen::Index>& kept,
-                            const std::vector<Eigen::Index>& around) {
-  std::vector<double> chosen;
-  for (const Eigen::Index i : around)
-    if (std::binary_search(kept.begin(), kept.end(), i)) chosen.push_back(values[i]);
-  return chosen;
-}
-
 /// Searches for the sites that the others contradict, by maps of the first family.
 class OutlierSearch {
  public:
   OutlierSearch(const MapSites& sites, TunedFamily tuned, std::vector<Eigen::Index> kept,
-                Neighbours neighbours)
-      : sites_(sites),
-        neighbours_(std::move(neighbours)),
-        kept_(std::move(kept)),
-        tuned_(std::move(tuned)) {
+                Neighbourhoods near)
+      : sites_(sites), near_(std::move(near)), kept_(std::move(kept)), tuned_(std::move(tuned)) {
     rejudge();
   }
 
   void drop_those_that_disagree() {
     for (int round = 1;; ++round) {
-      const Eigen::ArrayXd limits = residual_limits(kNormal);
+      const Eigen::ArrayXd limits = limits_for(kNormal);
       for (Eigen::Index i = 0; i < sites_.size(); ++i) {
         if (judgement_.residuals[i] > limits[i])
           dropped_[i] = {i, judgement_.residuals[i], limits[i]};
@@ -120,8 +105,9 @@ class OutlierSearch {
   /// Judges the dropped sites again with the tails that the kept residuals show.
   void take_back_where_tails_are_long() {
     while (!dropped_.empty()) {
-      const double dof = tail_dof(of_kept(judgement_.scaled(), kept_, kept_));
-      const Eigen::ArrayXd limits = residual_limits(dof);
+      const Eigen::ArrayXd kept = judgement_.scaled()(kept_);
+      const double dof = tail_dof({kept.begin(), kept.end()});
+      const Eigen::ArrayXd limits = limits_for(dof);
       for (auto at = dropped_.begin(); at != dropped_.end();) {
         Outlier& outlier = at->second;
         outlier = {at->first, judgement_.residuals[at->first], limits[at->first]};
@@ -148,22 +134,12 @@ class OutlierSearch {
     return true;
   }
 
-  /// Returns the largest residual with which each site is kept, if they follow Student's t.
-  Eigen::ArrayXd residual_limits(double dof) const {
-    const Eigen::ArrayXd scaled = judgement_.scaled();
-    const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5, dof);
-    Eigen::ArrayXd scales(scaled.size());
-    for (Eigen::Index i = 0; i < scaled.size(); ++i) {
-      const auto around = of_kept(scaled, kept_, neighbours_[static_cast<std::size_t>(i)]);
-      const double local = around.empty() ? 0.0 : quantile(around, kLocalShare);
-      scales[i] = std::max(usual, local / residual_length(1.0 - kLocalShare, dof));
-    }
-    return (outlier_sigmas(scaled.size(), dof) * scales * judgement_.unit_sigmas)
-        .max(kSmallestOutlier);
+  Eigen::ArrayXd limits_for(double dof) const {
+    return residual_limits(judgement_.residuals, judgement_.unit_sigmas, kept_, near_, dof);
   }
 
   const MapSites& sites_;
-  Neighbours neighbours_;
+  Neighbourhoods near_;
   std::vector<Eigen::Index> kept_;  ///< in order
   TunedFamily tuned_;
   Judgement judgement_;
@@ -210,22 +186,51 @@ std::vector<Outlier> values_of(const Outliers& dropped) {
   return outliers;
 }
 
-Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of) {
-  std::vector<double> x, y;
-  for (const Eigen::Index site : of) {
-    x.push_back(sites.errors(0, site));
-    y.push_back(sites.errors(1, site));
+Outliers gross_outliers(const MapSites& sites, const Neighbourhoods& near) {
+  std::vector<Eigen::Vector2d> middles;
+  for (const auto& group : near.groups)
+    middles.push_back(group.empty() ? Eigen::Vector2d::Zero() : median_error(sites, group));
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < near.of_site.size(); ++i)
+    differences.push_back(
+        (sites.errors.col(static_cast<Eigen::Index>(i)) - middles[near.of_site[i]]).norm());
+  const double limit = kGross * median(differences);
+  Outliers gross;
+  for (Eigen::Index i = 0; limit > 0.0 && i < sites.size(); ++i)
+    if (const double off = differences[static_cast<std::size_t>(i)]; off > limit)
+      gross[i] = {i, off, limit};
+  return gross;
+}
+
+Eigen::ArrayXd residual_limits(const Eigen::ArrayXd& residuals, const Eigen::ArrayXd& unit_sigmas,
+                               const std::vector<Eigen::Index>& kept, const Neighbourhoods& near,
+                               double dof) {
+  const Eigen::ArrayXd scaled = residuals / unit_sigmas;
+  Eigen::Array<bool, Eigen::Dynamic, 1> used =
+      Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(scaled.size(), false);
+  used(kept).setConstant(true);
+  const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5, dof);
+  std::vector<double> scales;
+  for (const auto& group : near.groups) {
+    std::vector<double> around;
+    for (const Eigen::Index i : group)
+      if (used[i]) around.push_back(scaled[i]);
+    const double local = around.empty() ? 0.0 : quantile(around, kLocalShare);
+    scales.push_back(std::max(usual, local / residual_length(1.0 - kLocalShare, dof)));
   }
-  return {median(x), median(y)};
+  Eigen::ArrayXd limits = outlier_sigmas(scaled.size(), dof) * unit_sigmas;
+  for (Eigen::Index i = 0; i < limits.size(); ++i)
+    limits[i] *= scales[near.of_site[static_cast<std::size_t>(i)]];
+  return limits.max(kSmallestOutlier);
 }
 
 RobustFit fit_without_outliers(const MapSites& sites, const std::vector<RbfFamily>& families) {
   if (sites.size() < kFewestToJudge)
     return {fit_rbf(sites, best_of(tune(sites, families))), sites_without({}, sites.size()), {}};
-  Neighbours neighbours = nearest_sites(sites);
-  const std::vector<Eigen::Index> start = sites_like_their_neighbours(sites, neighbours);
+  Neighbourhoods near = nearest_sites(sites);
+  const std::vector<Eigen::Index> start = sites_without(gross_outliers(sites, near), sites.size());
   std::vector<TunedFamily> tuned = tune(sites.subset(start), families);
-  OutlierSearch search(sites, tuned.front(), start, std::move(neighbours));
+  OutlierSearch search(sites, tuned.front(), start, std::move(near));
   search.drop_those_that_disagree();
   search.take_back_where_tails_are_long();
   const MapSites used = sites.subset(search.kept());

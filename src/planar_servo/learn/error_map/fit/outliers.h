@@ -19,10 +19,6 @@ struct Outlier {
 
 using Outliers = std::map<Eigen::Index, Outlier>;  ///< by site
 
-/// The quantile of the residuals around a site by which it is judged. Where they are long (beside a
-/// seam or a step) the map is less good than elsewhere, and a residual like theirs is no outlier.
-constexpr double kLocalShare = 0.9;
-
 /// No smaller residual is called an outlier, however well the rest agrees.
 constexpr double kSmallestOutlier = 1.0 * kMicrometre;
 
@@ -51,8 +47,23 @@ void require_few(const Outliers& dropped, Eigen::Index sites);
 std::vector<Eigen::Index> sites_without(const Outliers& dropped, Eigen::Index count);
 std::vector<Outlier> values_of(const Outliers& dropped);
 
-/// Returns the median error of these sites, of which there is at least one, per axis.
-Eigen::Vector2d median_error(const MapSites& sites, const std::vector<Eigen::Index>& of);
+/// The sites by which others are judged, in groups.
+struct Neighbourhoods {
+  std::vector<std::vector<Eigen::Index>> groups;
+  std::vector<std::size_t> of_site;  ///< the group that judges each site
+};
+
+/// Returns the sites that differ grossly from the median error of their group: a start for finer
+/// judgement that withstands up to a third of gross outliers. None where most are alike, as in a
+/// smooth table with few decimals.
+Outliers gross_outliers(const MapSites& sites, const Neighbourhoods& near);
+
+/// Returns the largest residual with which each site is kept, if residuals over their
+/// `unit_sigmas` follow Student's t. Where those that a site's group has kept are long (beside a
+/// seam or a step), the map is less good than elsewhere, and a residual like theirs is no outlier.
+Eigen::ArrayXd residual_limits(const Eigen::ArrayXd& residuals, const Eigen::ArrayXd& unit_sigmas,
+                               const std::vector<Eigen::Index>& kept, const Neighbourhoods& near,
+                               double dof = kNormal);
 
 struct RobustFit {
   RbfFit fit;                      ///< of the kept sites

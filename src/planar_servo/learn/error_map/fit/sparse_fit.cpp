@@ -9,7 +9,6 @@
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/statistics.h"
 
 namespace planar {
 namespace {
@@ -50,8 +49,6 @@ constexpr std::array<double, 6> kWidths{1.0, 1.4, 2.0, 2.8, 4.0, 6.0};
 /// Steps of ten suffice, because the error is flat about its minimum.
 constexpr std::array<double, 6> kRidges{1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0};
 
-/// The limit of a difference from the cell's median over the median: gross ones are out at first.
-constexpr double kGrossDifference = 10.0;
 /// The limit of the deviation over its largest at a centre; it is larger between centres.
 constexpr double kBetweenCenters = 2.0;
 
@@ -60,9 +57,6 @@ constexpr char kSparseUnsolvable[] =
 
 /// The least mean number of sites in a cell; with as many a few outliers do not count.
 constexpr Eigen::Index kSitesPerCell = 25;
-
-/// The sites nearest to each of the first centres, which are spread evenly, too.
-using Cells = std::vector<std::vector<Eigen::Index>>;
 
 /// Chooses each next centre as the site farthest from those before it [Gonzalez 1985].
 Eigen::Matrix2Xd spread_centers(const Eigen::Matrix2Xd& positions) {
@@ -80,33 +74,21 @@ Eigen::Matrix2Xd spread_centers(const Eigen::Matrix2Xd& positions) {
   return centers;
 }
 
-Cells cells_of(const Eigen::Matrix2Xd& centers, const Eigen::Matrix2Xd& positions) {
+/// Has each site judged by those nearest to the same of the first centres, which are spread evenly.
+Neighbourhoods cells_of(const Eigen::Matrix2Xd& centers, const Eigen::Matrix2Xd& positions) {
   const Eigen::Index count = std::min(centers.cols(), positions.cols() / kSitesPerCell);
   const Eigen::MatrixX2d by_axis = centers.leftCols(count).transpose();
-  Cells cells(static_cast<std::size_t>(count));
+  Neighbourhoods cells;
+  cells.groups.resize(static_cast<std::size_t>(count));
   for (Eigen::Index i = 0; i < positions.cols(); ++i) {
     Eigen::Index nearest = 0;
     ((by_axis.col(0).array() - positions(0, i)).square() +
      (by_axis.col(1).array() - positions(1, i)).square())
         .minCoeff(&nearest);
-    cells[static_cast<std::size_t>(nearest)].push_back(i);
+    cells.of_site.push_back(static_cast<std::size_t>(nearest));
+    cells.groups[cells.of_site.back()].push_back(i);
   }
   return cells;
-}
-
-/// Returns the sites that differ grossly from the median of their cell.
-Outliers gross_outliers(const MapSites& sites, const Cells& cells) {
-  Eigen::ArrayXd differences(sites.size());
-  for (const auto& cell : cells) {
-    if (cell.empty()) continue;
-    const Eigen::Vector2d middle = median_error(sites, cell);
-    for (const Eigen::Index i : cell) differences[i] = (sites.errors.col(i) - middle).norm();
-  }
-  const double limit = kGrossDifference * median({differences.begin(), differences.end()});
-  Outliers gross;
-  for (Eigen::Index i = 0; i < sites.size(); ++i)
-    if (differences[i] > limit) gross[i] = {i, differences[i], limit};
-  return gross;
 }
 
 /// Returns all of `kept`, or about kTuningPart of them evenly drawn.
@@ -176,25 +158,6 @@ Eigen::Matrix2Xd residuals_of(const SparseBasis& basis, const RidgeFit& fit, con
         (basis.plain_at_each(sites.positions.middleCols(first, n)) * weights).transpose();
   }
   return residuals;
-}
-
-/// Returns the largest residual of each site with which it is kept.
-Eigen::ArrayXd residual_limits(const Eigen::ArrayXd& residuals, const MapSites& sites,
-                               const Cells& cells, const Outliers& dropped) {
-  const Eigen::VectorXd weights = sites.weights();
-  const Eigen::ArrayXd scaled = residuals * weights.array().sqrt();
-  const double usual = median({scaled.begin(), scaled.end()}) / residual_length(0.5);
-  Eigen::ArrayXd limits = Eigen::ArrayXd::Constant(scaled.size(), usual);
-  for (const auto& cell : cells) {
-    std::vector<double> kept;
-    for (const Eigen::Index i : cell)
-      if (dropped.count(i) == 0) kept.push_back(scaled[i]);
-    if (kept.empty()) continue;
-    const double local = quantile(kept, kLocalShare) / residual_length(1.0 - kLocalShare);
-    for (const Eigen::Index i : cell) limits[i] = std::max(usual, local);
-  }
-  limits *= outlier_sigmas(sites.size()) * weights.array().rsqrt();
-  return limits.max(kSmallestOutlier);
 }
 
 SparseRbfMap map_of(const Tuned& tuned, const SparseStatistics& statistics, const RidgeFit& fit,
@@ -304,7 +267,7 @@ std::optional<RidgeFit> solve_ridge(const SparseStatistics& statistics, Eigen::I
 SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
   const Eigen::Matrix2Xd centers =
       spread_centers(sites.positions(Eigen::all, part_of(sites_without({}, sites.size()))));
-  const Cells cells = cells_of(centers, sites.positions);
+  const Neighbourhoods cells = cells_of(centers, sites.positions);
   Outliers dropped = gross_outliers(sites, cells);
   require_few(dropped, sites.size());
   std::vector<Eigen::Index> kept = sites_without(dropped, sites.size());
@@ -315,7 +278,8 @@ SparseFit fit_sparse(const MapSites& sites, const Progress& progress) {
     if (!fit) throw WorkError(kSparseUnsolvable, Cause::kInsufficient);
     const Eigen::Matrix2Xd residuals = residuals_of(tuned.basis, *fit, sites, progress);
     const Eigen::ArrayXd lengths = residuals.colwise().norm().transpose();
-    const Eigen::ArrayXd limits = residual_limits(lengths, sites, cells, dropped);
+    const Eigen::ArrayXd limits =
+        residual_limits(lengths, sites.weights().array().rsqrt(), kept, cells);
     std::vector<Eigen::Index> leaving, coming;
     for (Eigen::Index i = 0; i < sites.size(); ++i) {
       const bool was_dropped = dropped.count(i) != 0;

@@ -41,6 +41,8 @@ ArmForm form_of(const ArmNominal& nominal, const ArmModelSize& size) {
 }
 
 constexpr Eigen::Index kUnknowns = 9;  // the leans, a height, and sag with |P|^2 and |P|^4
+/// No tracker reads heights better, metres.
+constexpr double kLeastNoise = 1e-8;
 
 AxisLeans as_built(double above_m) {
   AxisLeans leans;
@@ -67,34 +69,48 @@ Eigen::Matrix<double, 1, kUnknowns> height_row(const ArmNominal& nominal, const 
   return row;
 }
 
-/// What heights tell of the unknowns, given a prior.
+/// What heights tell of the unknowns, given a prior. The evidence lacks what the prior does not
+/// change.
 struct Told {
   Eigen::VectorXd mean, variance;
   double log_evidence{0.0};
 };
 
+/// `weights` are the heights' inverse variances.
 std::optional<Told> told_by(const Eigen::MatrixXd& A, const Eigen::VectorXd& z,
-                            const Eigen::VectorXd& prior) {
-  double noise = 1e-5;
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(z.size());
+                            const Eigen::VectorXd& weights, const Eigen::VectorXd& prior) {
+  const Eigen::MatrixXd weighed = weights.asDiagonal() * A;
+  Eigen::MatrixXd H = A.transpose() * weighed;
+  H.diagonal() += prior.cwiseAbs2().cwiseInverse();
+  const auto L = lower_factor(H);
+  if (!L) return std::nullopt;
+  const Eigen::MatrixXd inverse = inverse_of_lower(*L);
   Told told;
-  for (int round = 0; round < 4; ++round) {  // residuals tell the noise, and which are outliers
-    const Eigen::MatrixXd weighed = (weights / (noise * noise)).asDiagonal() * A;
-    Eigen::MatrixXd H = A.transpose() * weighed;
-    H.diagonal() += prior.cwiseAbs2().cwiseInverse();
-    const auto L = lower_factor(H);
-    if (!L) return std::nullopt;
-    const Eigen::MatrixXd inverse = inverse_of_lower(*L);
-    told.variance = inverse.colwise().squaredNorm();
-    told.mean = inverse.transpose() * (inverse * (weighed.transpose() * z));
-    const Eigen::VectorXd left = z - A * told.mean, far = left.cwiseAbs();
-    told.log_evidence = -0.5 * left.dot(weights.cwiseProduct(z)) / (noise * noise) -
-                        (L->diagonal().array() * prior.array()).log().sum() -
-                        weights.sum() * std::log(noise);
-    noise = kNormalPerMad * median({far.begin(), far.end()});
-    weights = (far.array() < 4.0 * noise).cast<double>();
-  }
+  told.variance = inverse.colwise().squaredNorm();
+  told.mean = inverse.transpose() * (inverse * (weighed.transpose() * z));
+  told.log_evidence = -0.5 * (z - A * told.mean).dot(weights.cwiseProduct(z)) -
+                      (L->diagonal().array() * prior.array()).log().sum();
   return told;
+}
+
+/// Returns the weights of heights as what a fit leaves of them tells their noise, and which are
+/// outliers; empty where it tells none, as of heights that nobody has read.
+std::optional<Eigen::VectorXd> weights_of(const Eigen::MatrixXd& A, const Eigen::VectorXd& z,
+                                          const Eigen::VectorXd& prior) {
+  constexpr double kFirstNoise = 1e-5, kOutlier = 4.0;
+  Eigen::VectorXd weights = Eigen::VectorXd::Constant(z.size(), std::pow(kFirstNoise, -2));
+  for (int round = 0; round < 3; ++round) {
+    const auto told = told_by(A, z, weights, prior);
+    if (!told) return std::nullopt;
+    const double used = (weights.array() > 0.0).cast<double>().sum(),
+                 fitted = (1.0 - (told->variance.array() / prior.array().square())).sum();
+    const Eigen::ArrayXd far = (z - A * told->mean).array().abs();
+    const double noise = kNormalPerMad * median({far.begin(), far.end()}) *
+                         std::sqrt(used / std::max(1.0, used - fitted));
+    if (!(noise > kLeastNoise)) return std::nullopt;
+    weights = (far < kOutlier * noise).cast<double>() / (noise * noise);
+  }
+  return weights;
 }
 
 /// Returns the mean of the cases and its deviation, each case as likely as the heights make it.
@@ -268,11 +284,16 @@ AxisLeans axis_leans(const ArmNominal& nominal, const std::vector<PoseSample>& s
   // Nobody knows how well the links are bored: the heights weigh what each case would tell.
   constexpr std::array<double, 3> kShares{0.1, 0.3, 1.0};
   constexpr double kAnyHeight = 1.0;
-  std::vector<Told> cases;
-  for (const double share : kShares) {
+  const auto prior_of = [&](double share) {
     Eigen::VectorXd prior = Eigen::VectorXd::Constant(kUnknowns, kAnyHeight);
     prior.head<6>() << built.sigma.head<2>(), share * built.sigma.tail<4>();
-    auto told = told_by(A, z, prior);
+    return prior;
+  };
+  const auto weights = weights_of(A, z, prior_of(kShares.back()));
+  if (!weights) return built;
+  std::vector<Told> cases;
+  for (const double share : kShares) {
+    auto told = told_by(A, z, *weights, prior_of(share));
     if (!told) return built;
     cases.push_back(std::move(*told));
   }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planar_servo/geometry/arm/found_arm.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/learn/field/field_basis.h"
 
 namespace planar {
