@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <stdexcept>
 
@@ -129,6 +130,9 @@ TEST_CASE("A look that what is known does not explain teaches nothing") {
   const LearnedArm before = learned.learned();
   arm.deviation_m << 0.4e-3, 0.0;
   CHECK(learned.take(arm.look(arm.motors()), 20.0) == Lesson::kUnexpected);
+  ArmLook unseen = arm.look(arm.motors());
+  unseen.p.x() = std::numeric_limits<double>::quiet_NaN();
+  CHECK(learned.take(unseen, 21.0) == Lesson::kUnexpected);
   CHECK(learned.learned().arm.x == before.arm.x);
   CHECK(learned.learned().arm.factor == before.arm.factor);
   CHECK(learned.lessons() == 20);

@@ -1,6 +1,8 @@
-#include "planar_servo/geometry/arm/clearance.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <random>
 
@@ -127,6 +129,53 @@ Joints random_joints(const JointPlanner& planner, std::mt19937& random) {
       {kPi * share(random), 2.9 * share(random), 3.0 * share(random)});
 }
 
+/// A slim arm that brakes over a long way, beside a thin post.
+struct BrakingArm {
+  BrakingArm() {
+    geometry.body.link_widths_m = {0.01, 0.01};
+    geometry.body.tool_radius_m = 0.005;
+    settings = drives();
+    for (MotorDrive& drive : settings.drives) {
+      drive.max_speed_rad_s = 2.0;
+      drive.max_acceleration_rad_s2 = 3.0;
+    }
+  }
+
+  JointPlanner planner(const Barrier& post) const {
+    return {PlanarArm(geometry), Transmission(settings), Workspace{0.0, 0.7, {}, {post}},
+            Elbow::kLeft};
+  }
+
+  /// Returns the least distance between the arm and a post, whenever it is stopped on the way.
+  double least_distance_m(const Barrier& post, const Eigen::Vector2d& from,
+                          const Eigen::Vector2d& to) const {
+    const Transmission transmission(settings);
+    const MotorMove moves[] = {{from[0], to[0], settings.drives[0]},
+                               {from[1], to[1], settings.drives[1]}};
+    const double duration_s = std::max(moves[0].duration_s(), moves[1].duration_s());
+    double least_m = 1.0;
+    for (double t_s = 0.0; t_s < duration_s; t_s += 0.004)
+      for (double braking_s = 0.0; braking_s < 0.7; braking_s += 0.05) {
+        Eigen::Vector3d motors(0.0, 0.0, 0.0);
+        for (int i = 0; i < 2; ++i) {
+          const double speed = moves[i].speed_at(t_s);
+          const double for_s = std::min(braking_s, std::abs(speed) / 3.0);
+          motors[i] =
+              moves[i].angle_at(t_s) + speed * for_s - std::copysign(1.5 * for_s * for_s, speed);
+        }
+        const Joints theta = transmission.joints_from_motors(motors);
+        const PlanarArm arm(geometry);
+        const Eigen::Vector2d elbow = arm.elbow_place(theta), end = arm.forward(theta).p;
+        least_m = std::min({least_m, distance_m({0.0, 0.0}, elbow, post) - 0.005,
+                            distance_m(elbow, end, post) - 0.005});
+      }
+    return least_m;
+  }
+
+  ArmGeometry geometry;
+  TransmissionSettings settings;
+};
+
 }  // namespace
 
 TEST_CASE("Distances to discs and polygons are those of a drawing") {
@@ -235,6 +284,59 @@ TEST_CASE("The way is checked as the drives go it: each for itself, or all in on
   };
   CHECK_FALSE(refused(false));
   CHECK(refused(true));
+}
+
+TEST_CASE("An arm that would touch a thin post only if it were stopped at one moment does not go") {
+  struct Case {
+    Eigen::Vector2d post, from, to;  // the motors
+  };
+  const Case cases[] = {{{0.0251, 0.5054}, {0.056558, 2.065516}, {1.111255, -2.571250}},
+                        {{0.5922, 0.0441}, {-1.056074, -0.543283}, {-0.062891, 1.600537}},
+                        {{0.4697, 0.0487}, {-1.303573, 2.056700}, {-0.539002, -2.754612}}};
+  const BrakingArm arm;
+  for (const Case& at : cases) {
+    const Barrier post = disc(at.post, 0.002);
+    CHECK(arm.least_distance_m(post, at.from, at.to) < 0.0);
+    const JointPlanner planner = arm.planner(post);
+    const auto joints = [&](const Eigen::Vector2d& motors) {
+      return planner.transmission().joints_from_motors({motors[0], motors[1], 0.0});
+    };
+    const auto refusal = planner.way_refusal(joints(at.from), joints(at.to));
+    REQUIRE(refusal);
+    CHECK_THAT(*refusal, Catch::Matchers::StartsWith("an arm that is stopped on the way there: "));
+  }
+}
+
+TEST_CASE("Wherever an arm is stopped on an allowed way, half of its clearance stays") {
+  const BrakingArm arm;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(-1.0, 1.0), radius(0.2, 0.62);
+  int allowed = 0;
+  for (int scene = 0; scene < 60; ++scene) {
+    const Barrier post = disc(radius(random) * rotation2d(kPi * share(random)).col(0), 0.002);
+    const JointPlanner planner = arm.planner(post);
+    const auto motors = [&] {
+      const double first = kPi * share(random);
+      return Eigen::Vector2d(first, 2.9 * share(random));
+    };
+    const auto joints = [&](const Eigen::Vector2d& at) {
+      return planner.transmission().joints_from_motors({at[0], at[1], 0.0});
+    };
+    const Eigen::Vector2d from = motors(), to = motors();
+    if (planner.refusal(joints(from)) || planner.way_refusal(joints(from), joints(to))) continue;
+    ++allowed;
+    CHECK(arm.least_distance_m(post, from, to) > 0.5 * kClearance_m - 1e-5);
+  }
+  CHECK(allowed > 25);
+}
+
+TEST_CASE("An arm that stands within an obstacle, by the cell file, is not led through it") {
+  const JointPlanner planner =
+      planner_among({polygon({{0.2, -0.2}, {0.5, -0.2}, {0.5, 0.2}, {0.2, 0.2}})});
+  const auto refusal = planner.way_refusal({0.0, 0.0, 0.0}, {0.5, 0.5, 0.0});
+  REQUIRE(refusal);
+  CHECK_THAT(*refusal, Catch::Matchers::Contains("link 1 stands within the obstacle box"));
+  CHECK(planner.way_round({0.0, 0.0, 0.0}, {2.0, 2.0, 0.0}).empty());
 }
 
 TEST_CASE("An arm that stands at one obstacle may not touch another, and no turn beyond a limit") {

@@ -112,6 +112,31 @@ TEST_CASE("Where commanded joints lead undoes the plan, with ripple, runout and 
   }
 }
 
+TEST_CASE("A plan for a found arm reaches its target or is refused, however odd that arm is") {
+  FoundArm odd = waving_arm();
+  odd.x.segment<6>(ArmForm::kFirstWave + Eigen::Index{6} * odd.form.harmonics).setConstant(0.03);
+  JointPlanner planner(PlanarArm({{0.3, 0.3}, Rotation::kCounterclockwise}),
+                       Transmission(free_motors()), {0.06, 0.54, {}}, Elbow::kLeft);
+  planner.plan_for(odd);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> radius(0.12, 0.52), angle(-kPi, kPi);
+  int refused = 0;
+  for (int i = 0; i < 100; ++i) {
+    const double r = radius(random), direction = angle(random);
+    const TipPose target{{r * std::cos(direction), r * std::sin(direction)}, angle(random)};
+    const JointPlan plan =
+        planner.plan_as_found(target, {direction, direction + 1.0, 0.0}, Elbow::kLeft);
+    if (plan.refusal) {
+      ++refused;
+      continue;
+    }
+    const TipPose reached = planner.reached(plan.theta);
+    CHECK((reached.p - target.p).norm() < 1e-5);
+    CHECK(std::abs(wrap_angle(reached.phi - target.phi)) < 1e-5);
+  }
+  CHECK(refused > 0);
+}
+
 TEST_CASE("An arm's derivatives by every term agree with finite differences") {
   FoundArm arm = waving_arm();
   arm.form.joints_per_motor << 1, 0, 0, 1, 1, 0, 1, 1, 1;

@@ -1,4 +1,4 @@
-#include "planar_servo/loop/health/arm_check.h"
+#include "planar_servo/loop/health/health_check.h"
 
 #include <catch2/catch.hpp>
 #include <functional>

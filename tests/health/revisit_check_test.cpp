@@ -1,4 +1,4 @@
-#include "planar_servo/loop/health/revisit_check.h"
+#include "planar_servo/loop/health/health_check.h"
 
 #include <catch2/catch.hpp>
 #include <random>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/loop/health/arm_check.h"
+#include "planar_servo/loop/health/health_check.h"
 
 namespace planar::test {
 

@@ -1,4 +1,4 @@
-#include "planar_servo/machine/judge/reflector_readings.h"
+#include "planar_servo/machine/judge/cell_judge.h"
 
 #include <catch2/catch.hpp>
 #include <deque>
@@ -8,7 +8,6 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/judge/reflector_readings.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
 

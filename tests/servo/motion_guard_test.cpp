@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <functional>
+#include <limits>
 
 namespace planar {
 namespace {
@@ -68,6 +69,22 @@ TEST_CASE("Each fault of a look is doubted by its cause and its size") {
     CHECK(found->cause == fault.cause);
     CHECK_THAT(found->fault, Catch::Contains(fault.size));
     CHECK(found->of_cell == fault.of_cell);
+  }
+}
+
+TEST_CASE("A look of which a number is unknown is doubted") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::function<void(TipMeasurement&)> unknowns[] = {
+      [&](TipMeasurement& m) { m.t_s = nan; },
+      [&](TipMeasurement& m) { m.noise_m = nan; },
+      [&](TipMeasurement& m) { m.lamps_B[0].x() = nan; },
+      [&](TipMeasurement& m) { m.tip.p.y() = nan; },
+      [&](TipMeasurement& m) { m.tip.phi = nan; },
+      [&](TipMeasurement& m) { m.correction.x() = nan; }};
+  for (const auto& make : unknowns) {
+    GuardedLook look = sound_look();
+    make(look.measurement);
+    CHECK(doubt(narrow_limits(), look, nullptr));
   }
 }
 

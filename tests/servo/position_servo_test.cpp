@@ -107,6 +107,17 @@ TEST_CASE("The servo stops at the largest of tolerance, vision noise and one pul
   CHECK(result.steps.back().stop_below_m == Approx(farthest_pulse_m).epsilon(0.01));
 }
 
+TEST_CASE("A look need be no more certain than the tolerance, where that is wide") {
+  for (const double tolerance_m : {0.1e-3, 0.5e-3}) {
+    Bench coarse;
+    coarse.sensor.frame_noise_m = 0.2e-3;
+    coarse.settings.frames_per_measurement = 1;
+    coarse.settings.tolerance_m = tolerance_m;
+    const ServoStatus expected = tolerance_m > 0.4e-3 ? ServoStatus::kReached : ServoStatus::kHeld;
+    CHECK(coarse.move_to(kTarget).status == expected);
+  }
+}
+
 TEST_CASE("A servo whose view has the wrong sign holds at the second look") {
   for (const Approach approach : {Approach::kOneSide, Approach::kDirect}) {
     Bench bench;

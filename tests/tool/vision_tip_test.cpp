@@ -1,4 +1,4 @@
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/virtual_cell/truth/arm_truth.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 namespace {

@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/virtual_camera.h"
+#include "planar_servo/virtual_cell/virtual_cell.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "planar_servo/virtual_cell/virtual_board.h"
+#include "planar_servo/virtual_cell/virtual_sheets.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

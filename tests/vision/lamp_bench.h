@@ -4,7 +4,7 @@
 #include <random>
 
 #include "planar_servo/geometry/lens/lens_models.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/loop/vision/see_tool.h"
 #include "support/rendered_lamp.h"
 

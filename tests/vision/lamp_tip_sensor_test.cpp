@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/learn/error_map/fit_error_map.h"
@@ -24,8 +25,8 @@ class TwoLamps final : public FrameSource {
   int asked{0}, asked_on{0};
   std::vector<Eigen::Vector2d> fixed_px;  ///< where lamps are seen that are fixed to the base
   Eigen::Vector2d moved_px{0.0, 0.0};     ///< of everything that is seen
-  double t_s{1.0};
-  int whole{0};  ///< whole frames shown
+  double t_s{1.0}, period_s{0.0};         ///< of the next frame, and to the one after it
+  int whole{0};                           ///< whole frames shown
 
   cv::Size sensor_size_px() const override { return kSensor; }
   void set_region(const cv::Rect& region_px) override { region_px_ = region_px; }
@@ -50,7 +51,9 @@ class TwoLamps final : public FrameSource {
     for (const Eigen::Vector2d& uv_px : *lamps_px)
       test::add_lamp(scene, {uv_px + moved_px, test::kDiameter_m * test::kPixelsPerMetre});
     for (const Eigen::Vector2d& uv_px : fixed_px) test::add_lamp(scene, {uv_px + moved_px, 30.0});
-    return {FrameStatus::kOk, {test::expose(scene, random_)(region_px_).clone(), region_px_, t_s}};
+    const double now_s = std::exchange(t_s, t_s + period_s);
+    return {FrameStatus::kOk,
+            {test::expose(scene, random_)(region_px_).clone(), region_px_, now_s}};
   }
 
   cv::Rect region_px_{{}, kSensor};
@@ -136,8 +139,10 @@ TEST_CASE("Reference lamps that disagree end the measurement") {
 TEST_CASE("Only the first frame of a measurement must be exposed after the question") {
   TwoLamps camera;
   LampTipSensor sensor(vision_with(std::nullopt), CenterMethod::kAuto, camera, kFollowRegion_px);
+  camera.period_s = 0.1;
   const TipMeasurement seen = sensor.measure(camera.tip, 5);
   CHECK(seen.frames == 5);
+  CHECK(seen.t_s == 1.0);  // all that it is made of is as new as the first
   CHECK(camera.asked == 1);
   CHECK(camera.asked_on == 4);
 }

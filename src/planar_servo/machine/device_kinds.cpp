@@ -6,7 +6,7 @@
 #include "planar_servo/base/devices/forwarding_drives.h"
 #include "planar_servo/base/io/fields.h"
 #include "planar_servo/files/cell_file.h"
-#include "planar_servo/geometry/arm/clearance.h"
+#include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/hardware/cameras/aravis_kind.h"
 #include "planar_servo/hardware/drives/drive_kinds.h"
 #include "planar_servo/hardware/links/link_kinds.h"

@@ -49,23 +49,9 @@ double Random::normal() {
   return radius * std::cos(uniform(0.0, 2.0 * kPi));
 }
 
-double either_sign(Random& random, double lower, double upper) {
-  const double magnitude = random.uniform(lower, upper);
-  return random.uniform(-1.0, 1.0) < 0.0 ? -magnitude : magnitude;
-}
-
-double near_median(Random& random, double median) {
-  return median * random.uniform(0.7, 1.3);
-}
-
 Eigen::Vector2d any_direction(Random& random, double lower, double upper) {
   const double length = random.uniform(lower, upper);
   return length * rotation2d(random.uniform(-kPi, kPi)).col(0);
-}
-
-Harmonic harmonic(Random& random, int order, double lower, double upper) {
-  const double amplitude = random.uniform(lower, upper);
-  return {amplitude, random.uniform(-kPi, kPi), order};
 }
 
 double stray_length(const OutlierTruth& outliers, Random& random) {

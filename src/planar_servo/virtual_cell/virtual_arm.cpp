@@ -37,6 +37,18 @@ Eigen::Vector3d in_space(const Eigen::Vector2d& p) {
   return {p.x(), p.y(), 0.0};
 }
 
+/// Returns how warm a thing is, from -1 to 1, that is heated for a part of each turn only and
+/// follows with this share of a turn as its time constant.
+double warmed(double turns, double lag) {
+  constexpr double kHeated = 0.4;
+  const double rise = std::exp(-kHeated / lag), fall = std::exp(-(1.0 - kHeated) / lag);
+  const double low = fall * (1.0 - rise) / (1.0 - rise * fall), high = 1.0 - (1.0 - low) * rise;
+  const double phase = turns - std::floor(turns);
+  const double warm = phase < kHeated ? 1.0 - (1.0 - low) * std::exp(-phase / lag)
+                                      : high * std::exp(-(phase - kHeated) / lag);
+  return 2.0 * (warm - low) / (high - low) - 1.0;
+}
+
 }  // namespace
 
 Eigen::Vector2d runout_m(double joint_rad, double size_m, double phase_rad) {
@@ -68,22 +80,6 @@ Eigen::Vector2d bending_m(const BendingTruth& bending, double link1_rad, double 
   return 0.5 * bending.largest_m *
          (base_pull * rotation2d(link1_rad).col(1) + elbow_pull * rotation2d(link2_rad).col(1));
 }
-
-namespace {
-
-/// Returns how warm a thing is, from -1 to 1, that is heated for a part of each turn only and
-/// follows with this share of a turn as its time constant.
-double warmed(double turns, double lag) {
-  constexpr double kHeated = 0.4;
-  const double rise = std::exp(-kHeated / lag), fall = std::exp(-(1.0 - kHeated) / lag);
-  const double low = fall * (1.0 - rise) / (1.0 - rise * fall), high = 1.0 - (1.0 - low) * rise;
-  const double phase = turns - std::floor(turns);
-  const double warm = phase < kHeated ? 1.0 - (1.0 - low) * std::exp(-phase / lag)
-                                      : high * std::exp(-(phase - kHeated) / lag);
-  return 2.0 * (warm - low) / (high - low) - 1.0;
-}
-
-}  // namespace
 
 Eigen::Vector2d base_shift_m(const BaseMotionTruth& motion, double time_s) {
   constexpr double kLag = 0.2, kLongerLag = 0.6, kAcross = 0.4;

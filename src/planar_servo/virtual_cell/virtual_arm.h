@@ -9,7 +9,6 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/pose.h"
-#include "planar_servo/virtual_cell/truth/arm_truth.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_drive.h"
 

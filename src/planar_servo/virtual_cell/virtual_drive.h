@@ -13,7 +13,7 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/devices/drive_group.h"
-#include "planar_servo/virtual_cell/truth/arm_truth.h"
+#include "planar_servo/virtual_cell/truth/truth.h"
 
 namespace planar {
 

@@ -78,33 +78,6 @@ class AreaAccumulator {
   cv::Mat1d growth_;
 };
 
-}  // namespace
-
-cv::Mat1f polygon_coverage(const std::vector<Eigen::Vector2d>& outline_px,
-                           const cv::Rect& window_px) {
-  AreaAccumulator area(window_px.size());
-  const Eigen::Vector2d corner(window_px.x - 0.5, window_px.y - 0.5);
-  for (std::size_t i = 0; i < outline_px.size(); ++i)
-    area.add_edge(outline_px[i] - corner, outline_px[(i + 1) % outline_px.size()] - corner);
-  return area.coverage();
-}
-
-cv::Rect window_around(const std::vector<Eigen::Vector2d>& outline_px, double margin_px) {
-  Eigen::Vector2d lower = outline_px.front();
-  Eigen::Vector2d upper = outline_px.front();
-  for (const Eigen::Vector2d& point : outline_px) {
-    lower = lower.cwiseMin(point);
-    upper = upper.cwiseMax(point);
-  }
-  const int left = static_cast<int>(std::floor(lower.x() - margin_px));
-  const int top = static_cast<int>(std::floor(lower.y() - margin_px));
-  const int right = static_cast<int>(std::ceil(upper.x() + margin_px));
-  const int bottom = static_cast<int>(std::ceil(upper.y() + margin_px));
-  return {left, top, right - left + 1, bottom - top + 1};
-}
-
-namespace {
-
 constexpr int kOutlinePoints = 256;       // a chord is 0.0013 px off the arc of a lamp of 34 px
 constexpr double kHaloReach = 6.0;        // in decay lengths; 1/400 of the halo is left there
 constexpr double kBlurReach = 4.0;        // in standard deviations of the blur
@@ -149,6 +122,29 @@ void add_light(const SeenLamp& seen, const cv::Point& corner_px, cv::Mat1f& leve
 }
 
 }  // namespace
+
+cv::Mat1f polygon_coverage(const std::vector<Eigen::Vector2d>& outline_px,
+                           const cv::Rect& window_px) {
+  AreaAccumulator area(window_px.size());
+  const Eigen::Vector2d corner(window_px.x - 0.5, window_px.y - 0.5);
+  for (std::size_t i = 0; i < outline_px.size(); ++i)
+    area.add_edge(outline_px[i] - corner, outline_px[(i + 1) % outline_px.size()] - corner);
+  return area.coverage();
+}
+
+cv::Rect window_around(const std::vector<Eigen::Vector2d>& outline_px, double margin_px) {
+  Eigen::Vector2d lower = outline_px.front();
+  Eigen::Vector2d upper = outline_px.front();
+  for (const Eigen::Vector2d& point : outline_px) {
+    lower = lower.cwiseMin(point);
+    upper = upper.cwiseMax(point);
+  }
+  const int left = static_cast<int>(std::floor(lower.x() - margin_px));
+  const int top = static_cast<int>(std::floor(lower.y() - margin_px));
+  const int right = static_cast<int>(std::ceil(upper.x() + margin_px));
+  const int bottom = static_cast<int>(std::ceil(upper.y() + margin_px));
+  return {left, top, right - left + 1, bottom - top + 1};
+}
 
 std::optional<SeenLamp> see_lamp(const LampTruth& lamp, const Eigen::Vector2d& place_m,
                                  const Pose& X_BT, const VirtualLens& lens, double t_s) {

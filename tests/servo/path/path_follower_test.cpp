@@ -1,9 +1,12 @@
 #include "planar_servo/loop/servo/path/path_follower.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <utility>
 
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/devices/forwarding_drives.h"
 #include "planar_servo/loop/servo/path/path_follower.h"
 #include "servo/path/moving_bench.h"
 
@@ -28,6 +31,18 @@ PathResult follow_with(MovingBench& bench, const std::function<void(TipMeasureme
   };
   return bench.follow(sample_circle(), kSpeed_m_s, true);
 }
+
+/// Drives that turn at a tenth of the speed that they are told, as by a feed override.
+class SlowDrives final : public ForwardingDrives {
+ public:
+  using ForwardingDrives::ForwardingDrives;
+
+  void set_limits(const std::array<DriveLimits, 3>& limits) override {
+    std::array<DriveLimits, 3> slower = limits;
+    for (DriveLimits& drive : slower) drive.speed_pulses_s *= 0.1;
+    ForwardingDrives::set_limits(slower);
+  }
+};
 
 }  // namespace
 
@@ -153,6 +168,73 @@ TEST_CASE("Some lost pictures are borne, half a second without any ends the path
   CHECK(blind.last.measurement.word == "one_lamp");
   CHECK(blind.rests());
   CHECK(blind.last.along_m < 0.04);
+}
+
+TEST_CASE("A look that shows nothing is told with the time at which it was taken") {
+  MovingBench bench;
+  std::vector<double> times_s;
+  bench.go_to(sample_circle());
+  bench.sensor.spoil = [&](TipMeasurement& m) {
+    if (bench.sensor.looks == 5) m = failed_look(TipStatus::kOutsideView, "outside_view", 0.0);
+  };
+  PathFollower follower(bench.settings, bench.limits, bench.planner, bench.robot, bench.sensor,
+                        bench.cell.clock(), {test::MovingSensor::kPeriod_s, 0.0});
+  follower.follow(sample_circle(), PathTiming(sample_circle(), kSpeed_m_s), true,
+                  [&](const PathLook& look) { times_s.push_back(look.t_s); });
+  CHECK(std::is_sorted(times_s.begin(), times_s.end()));
+}
+
+TEST_CASE("A camera that shows one old picture again and again is one that is lost") {
+  MovingBench bench;
+  std::optional<TipMeasurement> old;
+  const auto result = follow_with(bench, [&](TipMeasurement& m) {
+    if (!old) old = m;
+    m = *old;
+  });
+  CHECK(result.status == ServoStatus::kLostCamera);
+  CHECK_THAT(result.reason, Catch::Contains("frozen_frame"));
+  CHECK(bench.last.along_m < 0.04);
+  CHECK(bench.rests());
+}
+
+TEST_CASE("A path waits for an arm that slowed down because a picture came late") {
+  const Path corner({{{{0.20, 0.10}, 0.0}}, {{{0.24, 0.10}, 0.0}}, {{{0.24, 0.16}, 0.0}}});
+  const auto follow = [&](double late_s) {
+    MovingBench bench;
+    double off_m = 0.0;
+    bench.sensor.spoil = [&](TipMeasurement&) {
+      const Eigen::Vector2d p = bench.cell.true_tip().p;
+      const auto from = [&](const PathSegment& segment) {
+        return (segment.at(segment.nearest_m(p)).pose.p - p).norm();
+      };
+      off_m = std::max(off_m, std::min(from(corner.segments()[0]), from(corner.segments()[1])));
+      if (bench.sensor.looks == 28) bench.cell.clock().sleep_for_s(late_s);
+    };
+    const PathResult result = bench.follow(corner, kSpeed_m_s, false);
+    CHECK(result.status == ServoStatus::kReached);
+    return std::pair(off_m, result.duration_s);
+  };
+  const auto [usual_m, usual_s] = follow(0.0);
+  const auto [late_m, late_s] = follow(1.5);
+  CHECK(late_m < usual_m + 0.3e-3);
+  CHECK(late_s > usual_s + 1.2);
+}
+
+TEST_CASE("Drives that are held back end the path instead of leaving it") {
+  MovingBench bench;
+  bench.limits.distance_m = 2e-3;
+  bench.go_to(sample_circle());
+  SlowDrives slow(bench.cell.drives());
+  PlanarRobot robot(bench.planner.arm(), bench.planner.transmission(), slow, bench.cell.clock());
+  robot.energize();
+  PathFollower follower(bench.settings, bench.limits, bench.planner, robot, bench.sensor,
+                        bench.cell.clock(), {test::MovingSensor::kPeriod_s, 0.0});
+  const PathResult result =
+      follower.follow(sample_circle(), PathTiming(sample_circle(), kSpeed_m_s), false);
+  CHECK(result.status == ServoStatus::kHeld);
+  CHECK(result.cell_in_doubt);
+  CHECK_THAT(result.reason, Catch::Contains("from where they were told to be"));
+  CHECK(bench.rests());
 }
 
 TEST_CASE("An arm whose tool is not seen at the path's beginning does not move") {

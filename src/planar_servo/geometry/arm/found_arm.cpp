@@ -27,14 +27,6 @@ Eigen::RowVectorXd gaussians(const PostureBasis& basis, const Eigen::Vector3d& u
   return ((basis.centers.colwise() - u).colwise().squaredNorm() * scale).array().exp();
 }
 
-Eigen::Vector2d along(double psi) {
-  return {std::cos(psi), std::sin(psi)};
-}
-
-Eigen::Vector2d across(double psi) {
-  return {-std::sin(psi), std::cos(psi)};
-}
-
 /// Returns the frame in which the runout of axis 3 stands still.
 Eigen::Matrix2d runout_frame(const Eigen::Vector3d& psi) {
   return rotation2d(2.0 * psi[1] - psi[2]);
@@ -134,7 +126,7 @@ Eigen::Vector3d ArmForm::directions(const Eigen::Vector3d& motors, const Eigen::
 
 TipPose ArmForm::tip(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const {
   const Eigen::Vector3d psi = directions(motors, x);
-  TipPose tip{x[0] * along(psi[0]) + x[1] * along(psi[1]), psi[2]};
+  TipPose tip{x[0] * rotation2d(psi[0]).col(0) + x[1] * rotation2d(psi[1]).col(0), psi[2]};
   tip.p += runout_frame(psi) * x.segment<2>(runout());
   if (posture.terms() > 0) {
     const Eigen::RowVectorXd b = posture.at(joints_per_motor * motors);
@@ -147,11 +139,11 @@ TipPose ArmForm::tip(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) co
 ArmForm::Jacobian ArmForm::jacobian(const Eigen::Vector3d& motors, const Eigen::VectorXd& x) const {
   const Eigen::Vector3d psi = directions(motors, x);
   Jacobian J = Jacobian::Zero(3, terms());
-  J.col(0).head<2>() = along(psi[0]);
-  J.col(1).head<2>() = along(psi[1]);
+  J.col(0).head<2>() = rotation2d(psi[0]).col(0);
+  J.col(1).head<2>() = rotation2d(psi[1]).col(0);
   Eigen::Matrix3d by_psi = Eigen::Matrix3d::Zero();
-  by_psi.col(0).head<2>() = x[0] * across(psi[0]);
-  by_psi.col(1).head<2>() = x[1] * across(psi[1]);
+  by_psi.col(0).head<2>() = x[0] * rotation2d(psi[0]).col(1);
+  by_psi.col(1).head<2>() = x[1] * rotation2d(psi[1]).col(1);
   by_psi(2, 2) = 1.0;
   const Eigen::Matrix3d by_motor = sense * by_psi * joints_per_motor;
   J.middleCols<3>(2) = by_motor;
@@ -231,7 +223,7 @@ Lesson ArmLearner::take(const ArmLook& look, double t_s) {
   sight.diagonal().array() += look.sigma_m * look.sigma_m;
   const Eigen::Matrix2d weight = sight.inverse();
   const Eigen::Vector2d innovation = look.p - arm.form.tip(look.motors, arm.x).p;
-  if (std::exp(-0.5 * innovation.dot(weight * innovation)) < kLeastChance)
+  if (!(std::exp(-0.5 * innovation.dot(weight * innovation)) >= kLeastChance))
     return Lesson::kUnexpected;
   const Eigen::MatrixX2d gain = with_sight * weight;
   const Eigen::VectorXd x = arm.x + gain * innovation;

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "planar_servo/base/core/text.h"
@@ -16,6 +17,12 @@ namespace {
 /// Corrections by vision at a place may turn a motor this much further, radians: five millimetres
 /// at 0.3 m.
 constexpr double kCorrectionRoom = 1.0 * kDegree;
+
+/// A plan for an arm as it was found brings it as near as this: metres, radians.
+constexpr double kReached_m = 1e-6, kReachedTurn = 1e-6;
+
+/// A stopped arm may come nearer by this, or by half of its clearance, metres.
+constexpr double kFinestStop_m = 0.5e-3;
 
 /// Returns the drives with the speeds and accelerations of a move by which motors turn so far.
 std::array<MotorDrive, 3> drives_on(const Eigen::Vector3d& way,
@@ -49,23 +56,43 @@ class Way {
 
   double duration_s() const { return std::max(moves_[0].duration_s(), moves_[1].duration_s()); }
 
-  Joints joints_at(double t_s) const {
-    return transmission_.joints_from_motors(
-        {moves_[0].angle_at(t_s), moves_[1].angle_at(t_s), moves_[2].angle_at(t_s)});
+  /// Returns how long motors 1 and 2 brake at most.
+  double longest_braking_s() const {
+    double longest_s = 0.0;
+    for (int i = 0; i < 2; ++i)
+      longest_s = std::max(longest_s, std::abs(moves_[i].speed_at(0.5 * moves_[i].duration_s())) /
+                                          drives_[i].max_acceleration_rad_s2);
+    return longest_s;
   }
+
+  /// Returns where the motors are at a time, or so long after they were told then to stop. They
+  /// turn no way back, whichever of the two grows.
+  Eigen::Vector3d motors_at(double t_s, double braking_s = 0.0) const {
+    Eigen::Vector3d motors;
+    for (int i = 0; i < 3; ++i) {
+      const double speed = moves_[i].speed_at(t_s);
+      const double brakes = std::copysign(drives_[i].max_acceleration_rad_s2, speed);
+      const double for_s = std::min(braking_s, speed / brakes);
+      motors[i] = moves_[i].angle_at(t_s) + (speed - 0.5 * brakes * for_s) * for_s;
+    }
+    return motors;
+  }
+  Joints joints_at(double t_s) const { return transmission_.joints_from_motors(motors_at(t_s)); }
   Eigen::Vector2d point_at(double t_s) const { return arm_.forward(joints_at(t_s)).p; }
 
-  /// Returns a length that the end point's way between two times does not exceed. No motor turns
-  /// back, so a joint turns by no more than its motors together.
-  double length_bound_m(double from_s, double to_s) const {
+  /// Returns a length that the way of no part exceeds while motors turn so far. A joint turns by no
+  /// more than its motors together.
+  double length_bound_m(const Eigen::Vector3d& turns) const {
     double turned = 0.0, length = 0.0;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double turn = std::abs(moves_[i].angle_at(to_s) - moves_[i].angle_at(from_s));
+    for (int i = 0; i < 2; ++i) {
       const bool relative = i > 0 && transmission_.coupling_matrix()(1, 0) != 0.0;
-      turned = relative ? turned + turn : turn;
+      turned = (relative ? turned : 0.0) + std::abs(turns[i]);
       length += arm_.geometry().link_lengths_m[i] * turned;
     }
     return length;
+  }
+  double length_bound_m(double from_s, double to_s) const {
+    return length_bound_m(motors_at(to_s) - motors_at(from_s));
   }
 
   /// Returns when, within an interval, the arm lies deepest beyond a border, to
@@ -83,29 +110,32 @@ class Way {
     return deepest_s(depth_m, middle_s, to_s, best_s);
   }
 
-  /// Returns a time within an interval at which the arm lies deeper than `allowed_m`; empty when
-  /// there is none but for JointPlanner::kWayResolution_m.
-  template <typename Depth>
-  std::optional<double> deeper_s(const Depth& depth_m, double allowed_m, double from_s,
-                                 double to_s) const {
-    const double middle_s = 0.5 * (from_s + to_s);
-    const double depth = depth_m(joints_at(middle_s));
-    if (depth > allowed_m + JointPlanner::kWayResolution_m) return middle_s;
-    const double reach = std::max(length_bound_m(from_s, middle_s), length_bound_m(middle_s, to_s));
-    if (depth + reach <= allowed_m + JointPlanner::kWayResolution_m) return std::nullopt;
-    if (const auto early = deeper_s(depth_m, allowed_m, from_s, middle_s)) return early;
-    return deeper_s(depth_m, allowed_m, middle_s, to_s);
-  }
+  /// A span of time: its beginning and end.
+  using Span = Eigen::Vector2d;
 
-  /// Returns the joints at which motors come to rest that are told to stop at this time.
-  Joints stopped_at(double t_s) const {
-    Eigen::Vector3d motors;
-    for (int i = 0; i < 3; ++i) {
-      const double speed = moves_[i].speed_at(t_s);
-      const double brakes = drives_[i].max_acceleration_rad_s2;
-      motors[i] = moves_[i].angle_at(t_s) + 0.5 * speed * std::abs(speed) / brakes;
-    }
-    return transmission_.joints_from_motors(motors);
+  /// Returns joints at which the arm lies beyond a border by more than
+  /// JointPlanner::kWayResolution_m, at a time within a span or while it brakes since then; empty
+  /// when there are none, but for what the arm does within `finest_m`.
+  template <typename Depth>
+  std::optional<Joints> deep_at(const Depth& depth_m, double finest_m, const Span& t_s,
+                                const Span& braking_s) const {
+    const Eigen::Vector3d first = motors_at(t_s[0], braking_s[0]);
+    const Eigen::Vector3d middle = motors_at(t_s.mean(), braking_s.mean());
+    const Eigen::Vector3d last = motors_at(t_s[1], braking_s[1]);
+    const Joints theta = transmission_.joints_from_motors(middle);
+    const double depth = depth_m(theta);
+    if (depth > JointPlanner::kWayResolution_m) return theta;
+    const double reach =
+        length_bound_m((middle - first).cwiseAbs().cwiseMax((last - middle).cwiseAbs()));
+    if (reach <= std::max(finest_m, JointPlanner::kWayResolution_m - depth)) return std::nullopt;
+    const Eigen::Vector3d unstopped = motors_at(t_s[1], braking_s[0]);
+    const bool splits_time = length_bound_m(unstopped - first) >= length_bound_m(last - unstopped);
+    const Span& split = splits_time ? t_s : braking_s;
+    for (const Span& half : {Span(split[0], split.mean()), Span(split.mean(), split[1])})
+      if (auto deep =
+              deep_at(depth_m, finest_m, splits_time ? half : t_s, splits_time ? braking_s : half))
+        return deep;
+    return std::nullopt;
   }
 
  private:
@@ -159,23 +189,36 @@ std::optional<std::string> JointPlanner::sweep_refusal(const Joints& from, const
   if (workspace_.barriers.empty()) return std::nullopt;
   const std::vector<double> spared_m = overlaps_m(from);
   const auto depth = [&](const Joints& theta) { return -gap(theta, spared_m).gap_m; };
-  if (const auto touches_s = way.deeper_s(depth, 0.0, 0.0, way.duration_s()))
-    return "on the way there " + touching(way.joints_at(*touches_s), spared_m);
+  if (const auto there = way.deep_at(depth, 0.0, {0.0, way.duration_s()}, {0.0, 0.0}))
+    return "on the way there " + touching(*there, spared_m);
   return std::nullopt;
 }
 
 std::optional<std::string> JointPlanner::way_refusal(const Joints& from, const Joints& to) const {
   if (auto refusal = sweep_refusal(from, to)) return refusal;
   if (workspace_.barriers.empty()) return std::nullopt;
+  if (auto refusal = refusal_within(from)) return refusal;
   const Way way(arm_, transmission_, from, to);
   const std::vector<double> spared_m = overlaps_m(from);
-  constexpr int kStops = 64;
-  for (int i = 1; i < kStops; ++i) {
-    const Joints stop = way.stopped_at(way.duration_s() * i / kStops);
-    if (-gap(stop, spared_m).gap_m > kWayResolution_m)
-      return "an arm that is stopped on the way there: " + touching(stop, spared_m);
-  }
+  const auto depth = [&](const Joints& theta) { return -gap(theta, spared_m).gap_m; };
+  const double finest_m = std::max(kFinestStop_m, 0.5 * arm_.geometry().body.clearance_m);
+  if (const auto there =
+          way.deep_at(depth, finest_m, {0.0, way.duration_s()}, {0.0, way.longest_braking_s()}))
+    return "an arm that is stopped on the way there: " + touching(*there, spared_m);
   return std::nullopt;
+}
+
+std::optional<std::string> JointPlanner::refusal_within(const Joints& theta) const {
+  ArmBody axes = arm_.geometry().body;
+  axes.link_widths_m.setZero();
+  axes.tool_radius_m = axes.clearance_m = 0.0;
+  const ArmGap nearest =
+      smallest_gap(axes, workspace_.barriers, arm_.elbow_place(theta), arm_.forward(theta).p);
+  if (nearest.gap_m > 0.0) return std::nullopt;
+  return fmt::format(
+      "{} stands within the obstacle {}, by the cell file, so that no way out is known to be free; "
+      "correct obstacles, arm or home there, or turn the arm out by hand",
+      nearest.part, workspace_.barriers[nearest.barrier].name);
 }
 
 std::vector<Eigen::Vector2d> JointPlanner::drawn_way(const Joints& from, const Joints& to) const {
@@ -240,7 +283,14 @@ JointPlan JointPlanner::plan_as_found(const TipPose& pose, Joints theta, Elbow e
     if (inverse.status != ReachStatus::kOk) return {{}, describe(inverse.status)};
     theta = inverse.theta;
   }
-  return {theta, std::nullopt};
+  const TipPose end = reached(theta);
+  const double off_m = (pose.p - end.p).norm(), turned = wrap_angle(pose.phi - end.phi);
+  if (off_m <= kReached_m && std::abs(turned) <= kReachedTurn) return {theta, std::nullopt};
+  return {
+      {},
+      fmt::format("no joint angles were found that bring the arm, as it was found, to {}; the "
+                  "last ones miss it by {:.3f} mm and {:.3f} deg: is arm_found that of this arm?",
+                  place_mm(pose.p), mm(off_m), turned / kDegree)};
 }
 
 }  // namespace planar

@@ -34,7 +34,8 @@ class JointPlanner {
   /// Returns why the end point must not take the way from rest at some joint angles to rest at
   /// others, on which all motors begin at once; empty when it may.
   /// Nowhere may the way lead more than kWayResolution_m deeper beyond a border of the workspace
-  /// than where it begins, so that an arm that stands in a keep-out disc can leave it.
+  /// than where it begins, so that an arm that stands in a keep-out disc can leave it. To barriers
+  /// the clearance stays, and half of it while the arm brakes, whenever it is stopped.
   std::optional<std::string> way_refusal(const Joints& from, const Joints& to) const;
 
   /// Returns the rests of a way from one rest to another, the last of which is `to`: one where the
@@ -62,7 +63,7 @@ class JointPlanner {
   double scatter_m() const { return found_ ? found_->scatter_m : 0.0; }
   double wander_m() const { return found_ ? found_->wander_m : 0.0; }
   /// Returns the joint angles, near `theta`, by which the arm as it was found stands at a pose with
-  /// this elbow.
+  /// this elbow. It refuses where reached() would not undo them.
   JointPlan plan_as_found(const TipPose& pose, Joints theta, Elbow elbow) const;
   bool has_barriers() const { return !workspace_.barriers.empty(); }
   const PlanarArm& arm() const { return arm_; }
@@ -80,6 +81,9 @@ class JointPlanner {
   std::vector<Joints> shortened(const std::vector<Joints>& rests) const;
   /// Returns why the way between two rests is forbidden to an arm that is not stopped on it.
   std::optional<std::string> sweep_refusal(const Joints& from, const Joints& to) const;
+  /// Returns why no way leads on from there for an arm whose axes stand within a barrier, where
+  /// "no nearer" would allow every way through it; empty elsewhere.
+  std::optional<std::string> refusal_within(const Joints& theta) const;
   /// Says in words which part touches which barrier there.
   std::string touching(const Joints& theta, const std::vector<double>& spared_m = {}) const;
 

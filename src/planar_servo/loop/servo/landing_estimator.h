@@ -9,7 +9,6 @@
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/servo/servo_result.h"
-#include "planar_servo/loop/servo/tip_sensor.h"
 
 namespace planar {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "planar_servo/base/core/text.h"
@@ -42,7 +43,7 @@ std::optional<Doubt> noisy(const GuardLimits& limits, const TipMeasurement& m) {
 std::optional<Doubt> separated(const GuardLimits& limits, const TipMeasurement& m) {
   const double separation_m = (m.lamps_B[1] - m.lamps_B[0]).norm();
   const double off_m = separation_m - limits.separation_m;
-  if (!(std::abs(off_m) > limits.separation_tolerance_m)) return std::nullopt;
+  if (std::abs(off_m) <= limits.separation_tolerance_m) return std::nullopt;
   return Doubt{{fmt::format("the lamps are seen {:.3f} mm apart, but were {:.3f} +- {:.3f} mm "
                             "apart at the calibration: has a lamp moved on the tool? {}",
                             mm(separation_m), mm(limits.separation_m),
@@ -205,6 +206,13 @@ bool wait_for_camera(const FrameSource& camera, const PlanarRobot& robot, Clock&
   spdlog::info(fmt::format("{}: the camera delivers again after {:.1f} s; resuming", id,
                            clock.now_s() - lost_s));
   return true;
+}
+
+GuardLimits for_tolerance(GuardLimits limits, double tolerance_m) {
+  const double coarser = std::max(1.0, tolerance_m / limits.noise_m);
+  limits.noise_m *= coarser;
+  limits.play_m *= coarser;
+  return limits;
 }
 
 std::optional<Doubt> doubt(const GuardLimits& limits, const GuardedLook& look,

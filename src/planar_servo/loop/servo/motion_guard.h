@@ -13,7 +13,7 @@
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
-#include "planar_servo/loop/servo/tip_sensor.h"
+#include "planar_servo/loop/servo/servo_result.h"
 
 namespace planar {
 
@@ -89,6 +89,10 @@ struct GuardLimits {
   /// The greatest uncertainty, of two standard deviations, by which a look may move the arm.
   double noise_m{50e-6};
 };
+
+/// Returns the limits of a loop with this tolerance: where it exceeds the noise that is allowed,
+/// looks need be no more certain than that, and may show as much more motion.
+GuardLimits for_tolerance(GuardLimits limits, double tolerance_m);
 
 /// Holds one look at the tool and what was commanded for it.
 struct GuardedLook {

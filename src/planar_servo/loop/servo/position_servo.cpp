@@ -104,7 +104,7 @@ PositionServo::PositionServo(const ServoSettings& settings, const GuardLimits& l
                              const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor,
                              Clock& clock, LandingModel* landings)
     : settings_(settings),
-      limits_(limits),
+      limits_(for_tolerance(limits, settings.tolerance_m)),
       planner_(planner),
       robot_(robot),
       sensor_(sensor),

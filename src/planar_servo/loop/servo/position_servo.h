@@ -13,7 +13,6 @@
 #include "planar_servo/loop/servo/landing_estimator.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/servo/servo_result.h"
-#include "planar_servo/loop/servo/tip_sensor.h"
 
 namespace planar {
 

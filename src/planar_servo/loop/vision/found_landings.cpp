@@ -86,7 +86,7 @@ std::optional<Refusal> FollowingError::doubt() const {
   }
   Eigen::MatrixXd covariance = shared * shared.transpose();
   covariance.diagonal() += variance;
-  const Eigen::MatrixXd L = *lower_factor(covariance), P = patterns();
+  const Eigen::MatrixXd L = lower_factor(covariance).value(), P = patterns();
   const Eigen::MatrixXd white_patterns = solve_lower(L, P);
   const Eigen::VectorXd off_white = solve_lower(L, off);
   const Eigen::VectorXd fitted = solve_least_squares(white_patterns, off_white);

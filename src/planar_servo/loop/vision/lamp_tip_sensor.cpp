@@ -78,17 +78,15 @@ TipMeasurement LampTipSensor::look_at_tool(const TipPose& expected, int frames) 
   if (!expectation) return failed_look(TipStatus::kOutsideView, kOutsideView, 0.0);
   aim_at(*expectation->predicted_px);
   std::vector<Observation> observations;
-  double t_s = 0.0;
   for (int i = 0; i < frames; ++i) {
     const Look seen = look(i == 0 ? camera_.next_frame() : camera_.following_frame(), *expectation);
     if (seen.frame != FrameStatus::kOk)
       return failed_look(TipStatus::kNoPicture, name(seen.frame), seen.t_s);
     if (!seen.found()) return failed_look(TipStatus::kNoLamps, name(seen.pair.status), seen.t_s);
-    t_s = seen.t_s;
-    observations.push_back(observation_of(seen.pair, t_s).value());
+    observations.push_back(observation_of(seen.pair, seen.t_s).value());
   }
-  if (auto failed = watch_camera(t_s)) return *failed;
-  return position(mean_of(observations), t_s);
+  if (auto failed = watch_camera(observations.back().t_s)) return *failed;
+  return position(mean_of(observations));
 }
 
 std::optional<std::array<Eigen::Vector2d, 2>> LampTipSensor::look_around() {
@@ -147,11 +145,11 @@ LampTipSensor::Look LampTipSensor::look(const FrameResult& result,
   return seen;
 }
 
-TipMeasurement LampTipSensor::position(const Observation& seen, double t_s) const {
+TipMeasurement LampTipSensor::position(const Observation& seen) const {
   const auto place = see_tool(vision_, at_calibration(seen, watch_.motion()));
-  if (!place) return failed_look(TipStatus::kOutsideView, kOutsideView, t_s);
+  if (!place) return failed_look(TipStatus::kOutsideView, kOutsideView, seen.t_s);
   TipMeasurement measurement;
-  measurement.t_s = t_s;
+  measurement.t_s = seen.t_s;
   measurement.frames = seen.frames;
   measurement.lamps_px = seen.lamps_px;
   measurement.lamps_B = place->seen.lamps_B;

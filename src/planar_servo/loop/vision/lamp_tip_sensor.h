@@ -7,7 +7,7 @@
 
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/lamps/lamp_tracker.h"
-#include "planar_servo/loop/servo/tip_sensor.h"
+#include "planar_servo/loop/servo/servo_result.h"
 #include "planar_servo/loop/vision/see_tool.h"
 
 namespace planar {
@@ -59,7 +59,7 @@ class LampTipSensor final : public TipSensor {
   /// frame is missing or the lamps show that the calibration is void.
   std::optional<TipMeasurement> watch_camera(double t_s);
   /// Positions the tool by its lamps as they are seen now.
-  TipMeasurement position(const Observation& seen, double t_s) const;
+  TipMeasurement position(const Observation& seen) const;
 
   VisionCalibration vision_;
   LampTracker tracker_;

@@ -13,7 +13,7 @@
 #include "planar_servo/geometry/arm/joint_planner.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/lens/workplane.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/learn/error_map/error_map.h"

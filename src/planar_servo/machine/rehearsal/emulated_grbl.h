@@ -8,13 +8,42 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/threads.h"
-#include "planar_servo/machine/rehearsal/pty_port.h"
 
 namespace planar {
+
+/// A serial port of this machine whose other end is held here. It has a name of its own that
+/// outlasts the line, as the names under /dev/serial/by-id do.
+class PtyPort {
+ public:
+  /// `name` is where to put the link to the port; an earlier link is replaced. Throws InputError
+  /// when that is impossible or a file is there.
+  explicit PtyPort(std::filesystem::path name) : name_(std::move(name)) { plug_in(); }
+  ~PtyPort() { unplug(); }
+  PtyPort(const PtyPort&) = delete;
+  PtyPort& operator=(const PtyPort&) = delete;
+
+  std::string name() const { return name_.string(); }
+  /// Returns what has come within the time; empty when nothing has, or the line is closed.
+  std::string read(double timeout_s);
+  void write(std::string_view bytes);
+  /// Returns this side's descriptors, for a program that is to speak on the line.
+  int inner() const { return inner_; }
+  int outer() const { return outer_; }
+
+  /// Ends the line, as by unplugging, and plugs in another one.
+  void unplug();
+  void plug_in();
+
+ private:
+  std::filesystem::path name_;
+  int inner_{-1}, outer_{-1};
+};
 
 /// A Grbl 1.1 board on a serial port of its own, with motors that turn in real time. It has the
 /// jogging, jog cancel, hold, alarms, limit inputs, homing and settings of Grbl's documentation;
@@ -31,6 +60,9 @@ class EmulatedGrbl {
   /// `port` is the name of the serial port, as PtyPort has it. Settings that are not given are
   /// Grbl's own.
   EmulatedGrbl(std::filesystem::path port, const Settings& settings, OnPosition on_position = {});
+
+  /// Returns a setting of each axis, Grbl's own where none is given.
+  static Eigen::Vector3d of_axes(const Settings& settings, int first);
 
   std::string port() const { return port_.name(); }
   /// Throws what has ended the board's thread.
@@ -84,7 +116,7 @@ class EmulatedGrbl {
   void reset();
   void stop_abruptly();
   void tell_position();
-  Eigen::Vector3d of_axes(int first) const;
+  Eigen::Vector3d of_axes(int first) const { return of_axes(settings_, first); }
   Pulses pulses(const Eigen::Vector3d& mm) const;
 
   SteadyClock clock_;

@@ -45,16 +45,6 @@ std::vector<std::string> commands_of(const EmulatedGrbl::Settings& settings) {
   return commands;
 }
 
-/// Returns a setting of each axis; `factory` is what it is before it is stored.
-Eigen::Vector3d of_axes(const EmulatedGrbl::Settings& settings, int first, double factory) {
-  Eigen::Vector3d values;
-  for (int i = 0; i < 3; ++i) {
-    const auto stored = settings.find(first + i);
-    values[i] = stored == settings.end() ? factory : stored->second;
-  }
-  return values;
-}
-
 }  // namespace
 
 PassingFolder::PassingFolder(const std::string& name) {
@@ -74,7 +64,7 @@ FirmwareProcess::FirmwareProcess(const fs::path& simulator, const std::vector<st
     : FirmwareProcess(simulator, options) {
   banner_ = wait_for("Grbl", "its start");
   for (const std::string& command : commands) {
-    write(command + "\n");
+    line_.write(command + "\n");
     wait_for("ok", command);
   }
 }
@@ -125,7 +115,7 @@ std::string FirmwareProcess::wait_for(std::string_view beginning, const std::str
       heard_.erase(0, end + 1);
       if (line.rfind(beginning, 0) == 0) return line;
     }
-    heard_ += read(kPause_s);
+    heard_ += line_.read(kPause_s);
   }
   throw WorkError({fmt::format("{} has not answered {} with '{}' within {:g} s",
                                simulator_.string(), purpose, beginning, kAnswerPatience_s),
@@ -145,7 +135,7 @@ void FirmwareProcess::require_running() {
 
 void FirmwareProcess::end() {
   if (process_ <= 0) return;
-  write({&kEnd, 1});
+  line_.write({&kEnd, 1});
   SteadyClock clock;
   const double deadline_s = clock.now_s() + kEndPatience_s;
   while (waitpid(process_, nullptr, WNOHANG) == 0) {
@@ -162,8 +152,8 @@ FirmwareBoard::FirmwareBoard(const std::filesystem::path& simulator,
                              EmulatedGrbl::OnPosition on_position)
     : firmware_(simulator, options, commands_of(settings)),
       port_(port),
-      pulses_per_mm_(of_axes(settings, 100, 250.0)),
-      pulses_per_s_(of_axes(settings, 110, 500.0).cwiseProduct(pulses_per_mm_) / 60.0),
+      pulses_per_mm_(EmulatedGrbl::of_axes(settings, 100)),
+      pulses_per_s_(EmulatedGrbl::of_axes(settings, 110).cwiseProduct(pulses_per_mm_) / 60.0),
       on_position_(std::move(on_position)),
       placed_s_(clock_.now_s()) {
   relay_.emplace(0.0, [this] { carry(); });
@@ -176,7 +166,7 @@ const std::filesystem::path& FirmwareBoard::end() {
 }
 
 void FirmwareBoard::carry() {
-  pollfd lines[] = {{port_.inner(), POLLIN, 0}, {firmware_.descriptor(), POLLIN, 0}};
+  pollfd lines[] = {{port_.inner(), POLLIN, 0}, {firmware_.line().inner(), POLLIN, 0}};
   poll(lines, std::size(lines), static_cast<int>(1e3 * kAskPeriod_s));
   firmware_.require_running();
   carry_to_firmware();
@@ -189,12 +179,12 @@ void FirmwareBoard::carry_to_firmware() {
   const double now_s = clock_.now_s();
   if (now_s - last_question_s_ >= kAskPeriod_s) bytes += kQuestion;
   if (bytes.find(kQuestion) != std::string::npos) last_question_s_ = now_s;
-  firmware_.write(bytes);
+  firmware_.line().write(bytes);
 }
 
 /// Hands on whole lines, but no report that the program did not ask for.
 void FirmwareBoard::carry_to_program() {
-  heard_ += firmware_.read(0.0);
+  heard_ += firmware_.line().read(0.0);
   for (auto end = heard_.find('\n'); end != std::string::npos; end = heard_.find('\n')) {
     const std::string line = heard_.substr(0, end + 1);
     heard_.erase(0, end + 1);

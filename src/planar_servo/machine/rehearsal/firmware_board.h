@@ -13,7 +13,6 @@
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/threads.h"
 #include "planar_servo/machine/rehearsal/emulated_grbl.h"
-#include "planar_servo/machine/rehearsal/pty_port.h"
 
 namespace planar {
 
@@ -50,11 +49,8 @@ class FirmwareProcess {
   const std::string& banner() const { return banner_; }
   const std::filesystem::path& folder() const { return folder_.path(); }
 
-  /// Returns the line to be waited on.
-  int descriptor() const { return line_.inner(); }
-  /// Returns what has come on the line within the time.
-  std::string read(double timeout_s) { return line_.read(timeout_s); }
-  void write(std::string_view text) { line_.write(text); }
+  /// Returns the line on which it is spoken to.
+  PtyPort& line() { return line_; }
 
   /// Throws WorkError when the simulator has ended.
   void require_running();

@@ -3,7 +3,6 @@
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/virtual_cell/random.h"
-#include "planar_servo/virtual_cell/truth/arm_truth.h"
 #include "planar_servo/virtual_cell/truth/truth.h"
 #include "planar_servo/virtual_cell/virtual_lens.h"
 
@@ -14,36 +13,38 @@
 namespace planar {
 namespace {
 
-struct RealArmMedians {
-  double ripple_rad{0.0};      ///< once per motor turn
-  double belt_rad{0.0};        ///< once per tooth of a belt; 0 without one
-  double hysteresis_rad{0.0};  ///< half the width of the loop
-  double microsteps_rad{0.0};  ///< of the motor's angle, 50 times per turn
-  double runout_m{0.0};        ///< once per turn
-  double wobble_rad{0.0};
-  double scatter_m{0.0};       ///< rms per axis
-  double growth{0.0};          ///< of the links in an hour
-  double zero_shift_rad{0.0};  ///< in an hour
-  double height_wave_m{0.0};
-  double bending_m{0.0};  ///< largest
-  double air_m{0.0};      ///< rms per axis in the plane of motion
-};
-
-RealArmMedians ordinary_medians() {
-  RealArmMedians medians;
-  medians.ripple_rad = 0.008 * kDegree;
-  medians.hysteresis_rad = 0.0015 * kDegree;
-  medians.microsteps_rad = 0.02 * kFullStep;
-  medians.runout_m = 8.0 * kMicrometre;
-  medians.wobble_rad = 3.0 * kArcSecond;
-  medians.scatter_m = 20.0 * kMicrometre;
-  medians.growth = 60.0 * kMicrometre;
-  medians.zero_shift_rad = 0.002 * kDegree;
-  medians.height_wave_m = 60.0 * kMicrometre;
-  medians.bending_m = 20.0 * kMicrometre;
-  medians.air_m = 2.0 * kMicrometre;
-  return medians;
+/// Draws a number whose magnitude lies in the range, of either sign.
+double either_sign(Random& random, double lower, double upper) {
+  const double magnitude = random.uniform(lower, upper);
+  return random.uniform(-1.0, 1.0) < 0.0 ? -magnitude : magnitude;
 }
+
+/// Draws a number within 30 % of the median.
+double near_median(Random& random, double median) {
+  return median * random.uniform(0.7, 1.3);
+}
+
+/// Draws a harmonic of any phase whose amplitude lies in the range.
+Harmonic harmonic(Random& random, int order, double lower, double upper) {
+  const double amplitude = random.uniform(lower, upper);
+  return {amplitude, random.uniform(-kPi, kPi), order};
+}
+
+/// The medians of an industrial arm.
+struct RealArmMedians {
+  double ripple_rad{0.008 * kDegree};       ///< once per motor turn
+  double belt_rad{0.0};                     ///< once per tooth of a belt; 0 without one
+  double hysteresis_rad{0.0015 * kDegree};  ///< half the width of the loop
+  double microsteps_rad{0.02 * kFullStep};  ///< of the motor's angle, 50 times per turn
+  double runout_m{8.0 * kMicrometre};       ///< once per turn
+  double wobble_rad{3.0 * kArcSecond};
+  double scatter_m{20.0 * kMicrometre};    ///< rms per axis
+  double growth{60.0 * kMicrometre};       ///< of the links in an hour
+  double zero_shift_rad{0.002 * kDegree};  ///< in an hour
+  double height_wave_m{60.0 * kMicrometre};
+  double bending_m{20.0 * kMicrometre};  ///< largest
+  double air_m{2.0 * kMicrometre};       ///< rms per axis in the plane of motion
+};
 
 RealArmMedians cheap_medians() {
   RealArmMedians medians;
@@ -285,7 +286,7 @@ void roughen(ArmTruth& arm, Random& random) {
 }  // namespace
 
 Truth draw_ordinary_truth(std::uint32_t seed) {
-  return draw_real_arm(seed, ordinary_medians());
+  return draw_real_arm(seed, {});
 }
 
 Truth draw_cheap_truth(std::uint32_t seed) {

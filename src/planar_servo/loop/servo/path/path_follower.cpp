@@ -193,7 +193,7 @@ Joints JointHistory::at(double t_s) const {
 PathFollower::PathFollower(const ServoSettings& settings, const GuardLimits& limits,
                            const JointPlanner& planner, PlanarRobot& robot, TipSensor& sensor,
                            Clock& clock, const ExposureTiming& exposures)
-    : limits_(limits),
+    : limits_(for_tolerance(limits, settings.tolerance_m)),
       planner_(planner),
       robot_(robot),
       sensor_(sensor),
@@ -247,7 +247,7 @@ std::optional<PathResult> PathFollower::move_along(Run& run, const Observer& obs
   take_joints(run);
   if (auto end = look(run, observer)) return end;
   run.start_s = run.commanded_s = clock_.now_s();
-  while (clock_.now_s() < run.start_s + run.timing.duration_s() + kEnd_s) {
+  while (clock_.now_s() < run.start_s + run.waited_s + run.timing.duration_s() + kEnd_s) {
     if (auto end = move_until_exposure(run)) return end;
     if (auto end = look(run, observer)) return end;
   }
@@ -277,9 +277,12 @@ PathLook PathFollower::measure(Run& run) {
   look.measurement = sensor_.measure(planner_.arm().forward(soon.theta), 1);
   if (look.measurement.ok() && !look.measurement.tip.p.allFinite())
     look.measurement = failed_look(TipStatus::kNotFinite, "not_finite", look.measurement.t_s);
+  if (look.measurement.ok() && run.last_look && look.measurement.t_s <= run.seen_s)
+    look.measurement =
+        failed_look(TipStatus::kNoPicture, name(FrameStatus::kFrozen), look.measurement.t_s);
   take_joints(run);
   run.exposed_s = look.measurement.ok() ? look.measurement.t_s : clock_.now_s();
-  const double middle_s = look.measurement.t_s + exposures_.exposure_s / 2.0;
+  const double middle_s = run.exposed_s + exposures_.exposure_s / 2.0;
   look.t_s = std::max(0.0, middle_s - run.start_s);
   look.along_m = run.along_m(middle_s);
   look.along_now_m = run.along_m(clock_.now_s());
@@ -319,6 +322,7 @@ std::optional<PathResult> PathFollower::command(Run& run) {
   if (const auto fault = sensor_.fault()) return PathResult{ServoStatus::kLostCamera, *fault};
   const Joints theta = take_joints(run);
   const double now_s = clock_.now_s();
+  run.waited_s += std::max(0.0, now_s - run.commanded_s - PlanarRobot::kVelocityHold_s);
   const JointPlan here = joints_at(run, now_s), next = joints_at(run, now_s + kPathStep_s);
   for (const JointPlan& plan : {here, next})
     if (plan.refusal)
@@ -329,6 +333,7 @@ std::optional<PathResult> PathFollower::command(Run& run) {
     return PathResult{ServoStatus::kRefused,
                       fmt::format("{:.1f} mm along the path a motor would unwind a whole turn",
                                   mm(run.along_m(now_s)))};
+  if (auto behind = left_behind(run, here.theta, now_s)) return behind;
   run.near = here.theta;
   const double catch_up_s = std::max(kCatchUp_s, now_s - run.commanded_s);
   run.commanded_s = now_s;
@@ -336,6 +341,22 @@ std::optional<PathResult> PathFollower::command(Run& run) {
       (next.theta - here.theta) / kPathStep_s + (run.play.command(here.theta) - theta) / catch_up_s;
   robot_.turn([&](const Joints&) { return velocity; });
   return std::nullopt;
+}
+
+/// Where a picture or a drive came late, the arm may be behind by what it goes in the meantime.
+std::optional<PathResult> PathFollower::left_behind(const Run& run, const Joints& wanted,
+                                                    double now_s) const {
+  const PlanarArm& arm = planner_.arm();
+  const double behind_m = (arm.forward(wanted).p - arm.forward(run.history.at(now_s)).p).norm();
+  const double way_m = run.along_m(now_s) - run.along_m(now_s - kLongestBlind_s);
+  if (behind_m <= limits_.distance_m + way_m) return std::nullopt;
+  return PathResult{
+      ServoStatus::kHeld,
+      fmt::format("{:.1f} mm along the path the drives are {:.2f} mm from where they were told to "
+                  "be; this cell allows {:.2f} mm and the way of {:.1f} s: are they slower than "
+                  "the cell file says, or held back?",
+                  mm(run.along_m(now_s)), mm(behind_m), mm(limits_.distance_m), kLongestBlind_s),
+      true};
 }
 
 JointPlan PathFollower::joints_at(const Run& run, double t_s) const {

@@ -15,7 +15,7 @@
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/loop/servo/path/path.h"
 #include "planar_servo/loop/servo/position_servo.h"
-#include "planar_servo/loop/servo/tip_sensor.h"
+#include "planar_servo/loop/servo/servo_result.h"
 
 namespace planar {
 
@@ -129,7 +129,8 @@ class PathFollower {
   void set_play(const Eigen::Vector3d& play_rad) { play_rad_ = play_rad; }
   /// Follows the path from its beginning, where the arm has arrived from below; reports every look.
   /// Without `by_vision` they correct nothing. The arm slows down to rest when the camera fails, no
-  /// lamps are seen for kLongestBlind_s, or a look is doubted. Throws what setVelocity() does.
+  /// lamps are seen for kLongestBlind_s, a look is doubted, or the drives fall behind. Throws what
+  /// PlanarRobot::turn() does.
   PathResult follow(const Path& path, const PathTiming& timing, bool by_vision,
                     const Observer& observer = {});
 
@@ -146,13 +147,14 @@ class PathFollower {
     Joints near;    ///< the joints wanted last, which choose the turns of the motors
     GearPlay play;
     double commanded_s{0.0};  ///< when the joints were commanded last
+    double waited_s{0.0};     ///< for how long the path has waited for an arm that slowed down
     double exposed_s{0.0};    ///< when the exposure of the last picture began
     JointHistory history{};   ///< of the joints behind the play
     std::optional<Eigen::Vector2d> disturbance{};
     std::optional<GuardedLook> last_look{};
     bool inside_map{true};
 
-    double along_m(double t_s) const { return timing.along_m(t_s - start_s); }
+    double along_m(double t_s) const { return timing.along_m(t_s - start_s - waited_s); }
     Eigen::Vector2d correction() const;
   };
 
@@ -165,6 +167,8 @@ class PathFollower {
   /// Lets the joints continue until the next exposure is about to begin.
   std::optional<PathResult> move_until_exposure(Run& run);
   std::optional<PathResult> command(Run& run);
+  /// Returns why the path ends where the drives do not follow what they are told.
+  std::optional<PathResult> left_behind(const Run& run, const Joints& wanted, double now_s) const;
   /// Returns the joints that bring the end point, corrected, to its place at a time.
   JointPlan joints_at(const Run& run, double t_s) const;
   /// Reads where the drives stand now.

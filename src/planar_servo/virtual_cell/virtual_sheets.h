@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
@@ -61,6 +62,38 @@ class VirtualBoard final : public BoardPresenter {
   std::vector<Eigen::Vector2d> dot_centers_G_;
   std::optional<Pose> X_BG_;
   mutable std::optional<Rendering> rendering_;  ///< of the board at X_BG_
+};
+
+/// The workpieces of a virtual cell: plates with marks, of which discs have rims that are a little
+/// uneven.
+class VirtualWorks {
+ public:
+  VirtualWorks(const Truth& truth, const VirtualLens& lens, cv::Size sensor_px);
+
+  bool empty() const { return works_.empty(); }
+
+  /// Moves the last one, which does not slide any more: its origin to a place in the base frame.
+  void lay_last(const Eigen::Vector2d& p_B, double turn_rad);
+
+  /// Renders each work before noise, within the sensor, dark within these outlines of what is above
+  /// it. One at rest is rendered again once the lens or the air has moved.
+  std::vector<Light> render(double t_s,
+                            const std::vector<std::vector<Eigen::Vector2d>>& above_px = {}) const;
+
+ private:
+  struct Rendering {
+    double t_s;
+    std::vector<Light> lights;
+  };
+
+  std::vector<Light> rendered(double t_s) const;
+  bool slid_between(double from_s, double to_s) const;
+
+  std::vector<WorkpieceTruth> works_;
+  const VirtualLens& lens_;
+  cv::Size sensor_px_;
+  double blur_px_;
+  mutable std::optional<Rendering> rendering_;
 };
 
 }  // namespace planar
