@@ -8,6 +8,7 @@ console.py PLANAR_CONSOLE CELL_FOLDER PICTURES  exit status 1 for a claim that d
 import contextlib
 import os
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -28,6 +29,14 @@ SLOW = ("max_speed_deg_s: 60", "max_speed_deg_s: 10")
 TYPED = ("tracker: {", "tracker: {source: ask, ")
 MONUMENTS = (("datum1", -450, -450), ("datum2", 450, 450), ("datum3", -450, 450))
 KEPT_DEG = 4  # takes longer on a slow cell than the console waits for a page
+# Holds requests to a path up: all of them, or the first one for so many milliseconds.
+HOLD_UP = """const [held, wait_ms] = arguments, real = fetch;
+    Object.assign(window, {heldUp: 0, calledBack: 0, letGo: () => { window.fetch = real; }});
+    window.fetch = (path, how) => !path.startsWith(held) || wait_ms && heldUp ? real(path, how) : new Promise((go, no) => {
+        ++window.heldUp;
+        if (how.signal) how.signal.addEventListener("abort", () => no(++window.calledBack));
+        if (wait_ms) setTimeout(() => go(real(path, how)), wait_ms);
+    })"""
 JOGS = "return performance.getEntriesByName(location.origin + '/api/jog').map(entry => entry.duration)"
 
 
@@ -60,11 +69,38 @@ def jog(page, console):
           f"{turned:.1f} degrees")
 
 
+def stop_between_steps(page, console):
+    """Somebody else stops the cell while a held button is between two steps, where nothing is under way."""
+    page.run("document.querySelector('input[name=step][value=\"1\"]').click()")
+    for _ in range(10):
+        begin = console.tip()
+        page.press("[data-jog='x +']")
+        console.wait_for(lambda state: state["arm"]["tip_mm"][0] - begin[0] > 1.5)
+        console.wait_for(lambda state: state["doing"] == "idle")
+        between = not console.ask("/api/stop", {})["stopped"]
+        time.sleep(0.2 if between else 0)
+        at = console.tip()
+        time.sleep(1.0 if between else 0)
+        rests = console.tip() == at
+        page.release()
+        page.wait(IDLE)
+        if between:
+            claim("after a stop of anybody no step of a button that is still held begins", rests)
+            claim("it is refused, which the browser's console says, too", all("409" in one for one in page.messages()))
+            page.click("#notice-close")
+            return
+    claim("a stop comes between two steps", False)
+
+
 def teach(page):
+    page.click("#edit summary")
+    page.write("#csv", "id,x_mm,y_mm\nnot sent yet")
     page.write("#teach-id", "here")
     page.click("#teach-form button")
     page.wait("[...document.querySelectorAll('#target-rows th')].some(head => head.textContent === 'here')")
     claim("a taught place stands in the table of targets", True)
+    claim("and what somebody writes beside it stays", page.run("return document.querySelector('#csv').value").endswith("not sent yet"))
+    page.click("#edit summary")
 
 
 def choose_place(page, console):
@@ -78,6 +114,19 @@ def choose_place(page, console):
     page.click("#go")
     page.wait("document.querySelector('#progress-text').textContent.includes('reached')", 15)
     claim("'Go there' goes there", True, page.text("#progress-text"))
+    page.run(HOLD_UP, "api/place", 1000)
+    page.click("#field-view", 60, -80)
+    page.click("#field-view", 40, -80)
+    page.wait("!document.querySelector('#go').disabled")
+    text = page.text("#place")
+    time.sleep(1.5)
+    page.run("letGo()")
+    claim("an answer about a place chosen before tells nothing any more", page.text("#place") == text, text)
+    page.write("#place-phi", "9o")
+    page.click("#place-form button")
+    claim("a direction that is no number is not taken for any", "φ in degrees" in page.text("#place")
+          and page.run("return document.querySelector('#go').disabled"), page.text("#place"))
+    page.write("#place-phi", "")
 
 
 def run_targets(page, console, pictures):
@@ -104,6 +153,11 @@ def run_targets(page, console, pictures):
     page.wait(IDLE)
     claim(f"a resumed run reaches all of {TARGETS} targets", True)
     check_page(page, pictures, "field")
+    page.click("#edit summary")
+    page.write("#csv", spiral(TARGETS).replace("S1,250.000", "S1,251.000"))
+    page.click("#targets-form button")
+    page.wait("document.querySelector('#targets-count').textContent.startsWith('19 of')")
+    claim("a target that is moved is no longer reached", page.run("return document.querySelector('#target-rows tr').className") == "planned")
 
 
 def follow_path(page, pictures):
@@ -163,6 +217,14 @@ def doubt_key(page, console):
               panel.dispatchEvent(new KeyboardEvent("keydown", {key: "q", code: "KeyQ", bubbles: true}))"""
     tell = """document.querySelector("#jog").dispatchEvent(
               new KeyboardEvent(arguments[0], {key: arguments[1], code: arguments[2], bubbles: true}))"""
+    page.run(HOLD_UP, "api/jog/keep")
+    page.run(hold)
+    console.wait_for(lambda state: state["doing"] == "moving")
+    console.wait_for(lambda state: state["doing"] == "idle")
+    page.run(tell, "keyup", "q", "KeyQ")
+    claim("a page asks no more while the console answers nothing, so that a stop need not wait", page.run("return heldUp") <= 2)
+    page.run("letGo()")
+    page.wait(IDLE)
     doubts = (("goes up as another letter", ("keyup", "@", "KeyQ")), ("is lost for one that goes up", ("keyup", "x", "KeyX")),
               ("is held while a modifier goes down", ("keydown", "AltGraph", "AltRight")), ("does not repeat", None))
     for words, event in doubts:
@@ -185,6 +247,23 @@ def lose_page(driver, console):
         enable(page)
         page.run(f"document.querySelector('{FARTHEST}').click()")
         doubt_key(page, console)
+        page.wait(IDLE)
+        begin = console.turned()
+        page.run("document.querySelector(\"[data-jog='joint 1 -']\").focus()")
+        page.key(" ")
+        page.key(" ", down=False)
+        console.wait_for(lambda state: begin - state["arm"]["joints_deg"][0] > KEPT_DEG)
+        page.run("dispatchEvent(new Event('blur'))")
+        console.wait_for(lambda state: state["doing"] == "idle")
+        claim("a step by the keyboard, too, lasts only while its page is there", begin - console.turned() < FARTHEST_DEG - 4)
+        page.wait(IDLE)
+        begin = console.turned()
+        page.press("[data-jog='joint 1 -']")
+        page.run("document.querySelector(\"[data-jog='joint 1 -']\").dispatchEvent(new PointerEvent('pointercancel'))")
+        time.sleep(0.5)
+        console.wait_for(lambda state: state["doing"] == "idle")
+        page.release()
+        claim("a touch that the browser takes away is no tap", begin - console.turned() < FARTHEST_DEG - 4)
         for words, lose in (("loses the focus", lambda: page.run("dispatchEvent(new Event('blur'))")),
                             ("is killed", page.crash)):
             begin, motions = console.turned(), len(page.run(JOGS))
@@ -211,6 +290,56 @@ def other_rights(driver, console, pictures):
         said = stranger.text("body").strip()
         claim("a wrong token shows a sentence and nothing else", "address" in said and len(said) < 300, said)
         stranger.picture(os.path.join(pictures, "wrong_token.png"))
+
+
+def silence(page, console):
+    """A console that answers nothing is not shown as it was, and what it has not got yet it does not get later."""
+    page.wait("!document.querySelector('#check').disabled")
+    page.run(HOLD_UP, "api/check")
+    page.click("#check")
+    console.process.send_signal(signal.SIGSTOP)
+    try:
+        page.wait("document.body.classList.contains('lost')", 6)
+        page.wait("document.querySelector('#state-text').textContent.includes('does not answer')", 6)
+        claim("a page that hears nothing says so, and no control moves", page.run(
+            "return [...document.querySelectorAll('.act')].every(control => control.disabled)"), page.text("#state-text"))
+        claim("an order that is still on its way is called back", page.run("return heldUp === 1 && calledBack === 1"))
+    finally:
+        console.process.send_signal(signal.SIGCONT)
+    page.wait(f"!document.body.classList.contains('lost') && {IDLE}", 15)
+    claim("and it goes on once the console answers", True)
+    page.messages()
+
+
+def read_report(page, console, folder):
+    name = "run #1 of 100%25.html"
+    with open(os.path.join(folder, name), "w", encoding="utf-8") as report:
+        report.write("<p>how it went</p>")
+    page.open(console.address["operate"])
+    page.wait("document.querySelector('#reports a')")
+    page.open(page.run("return [...document.querySelectorAll('#reports a')].find(a => a.textContent === arguments[0]).href", name))
+    claim("a report of any name is opened", "how it went" in page.text("body"), name)
+    page.open(console.address["operate"])
+
+
+def many_pages(driver, console):
+    """A browser has six connections to a host, and each page that is seen keeps one for its events."""
+    with Browser(driver) as browser:
+        open_page(browser, console)
+        for _ in range(7):
+            browser.add_page("tab")
+            open_page(browser, console)
+        claim("of eight tabs the one that is seen shows state and picture", True)
+        for _ in range(5):
+            browser.add_page("window")
+            browser.open(console.address["operate"])
+            browser.wait(IDLE, 30)
+        browser.turn_to(browser.first_page())
+        browser.wait(IDLE, 30)
+        stops = console.state()["stops"]
+        browser.click("#stop")
+        taken = console.wait_for(lambda state: state["stops"] > stops, 3)
+        claim("of six windows that are seen each can stop", True, f"after {taken:.2f} s")
 
 
 def record(driver, console, pictures):
@@ -258,6 +387,7 @@ def main():
             taken = min(open_page(page, console) for _ in range(3))  # the machine may be busy
             claim(f"a picture is there within {FIRST_PICTURE_S} s", taken < FIRST_PICTURE_S, f"{taken:.2f} s")
             jog(page, console)
+            stop_between_steps(page, console)
             teach(page)
             choose_place(page, console)
             run_targets(page, console, pictures)
@@ -265,6 +395,10 @@ def main():
             certify(page, pictures)
             second_browser(driver, page, console, pictures)
             other_rights(driver, console, pictures)
+            check_messages(page)
+            many_pages(driver, console)
+            silence(page, console)
+            read_report(page, console, os.path.dirname(file))
             check_messages(page)
         with copy_of(cell, *TYPED) as file, Console(program, file) as console:
             with open(os.path.join(os.path.dirname(file), "plan.csv"), "w", encoding="utf-8") as plan:

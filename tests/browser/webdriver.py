@@ -70,6 +70,19 @@ class Browser:
     def open(self, address):
         self._post(f"{self.session}/url", {"url": address})
 
+    def add_page(self, kind):
+        """Opens another "tab" or "window", turns to it, and returns its name."""
+        name = self._post(f"{self.session}/window/new", {"type": kind})["handle"]
+        self.turn_to(name)
+        return name
+
+    def turn_to(self, page):
+        """Lets all that follows happen in this page, which is seen then."""
+        self._post(f"{self.session}/window", {"handle": page})
+
+    def first_page(self):
+        return self._request("GET", f"{self.session}/window/handles")[0]
+
     def run(self, script, *arguments):
         """Returns what the body of a function returns in the page."""
         return self._post(f"{self.session}/execute/sync", {"script": script, "args": list(arguments)})

@@ -9,11 +9,11 @@ constexpr char kList[] = R"({
   "openapi": "3.1.0",
   "requests": {
     "GET /api/lamp/{n}.jpg": {"summary": "a lamp", "parameters": [{"name": "n", "in": "path"}], "type": "image/jpeg", "may_be_empty": true},
-    "GET /api/jobs": {"summary": "all", "answer": {"type": "array"}},
-    "POST /api/jobs": {"summary": "begins one", "required": ["out"], "body": {"out": "Name", "size": {"type": "integer"}}, "answer": "Job"},
+    "GET /api/jobs": {"summary": "all", "answer": {"type": "array", "items": "Job"}},
+    "POST /api/jobs": {"summary": "begins one", "optional": ["size"], "body": {"out": "Name", "size": {"type": "integer"}}, "answer": "Job"},
     "POST /api/end": {"summary": "ends it"}
   },
-  "components": {"schemas": {}}
+  "components": {"schemas": {"Job": {"optional": ["ended"], "properties": {"name": "Name", "ended": {"oneOf": ["Name", {"type": "null"}]}}}}}
 })";
 
 TEST_CASE("A request that is listed once is checked by its keys and described in OpenAPI") {
@@ -33,6 +33,14 @@ TEST_CASE("A request that is listed once is checked by its keys and described in
   CHECK(begins["responses"]["default"]["$ref"] == "#/components/responses/Refused");
   CHECK(document["paths"]["/api/jobs"]["get"]["responses"]["200"]["content"]["application/json"]
                 ["schema"]["type"] == "array");
+  CHECK(document["paths"]["/api/jobs"]["get"]["responses"]["200"]["content"]["application/json"]
+                ["schema"]["items"]["$ref"] == "#/components/schemas/Job");
+  const auto& job = document["components"]["schemas"]["Job"];
+  CHECK(job["type"] == "object");
+  CHECK(job["required"] == nlohmann::json{"name"});
+  CHECK_FALSE(job.contains("optional"));
+  CHECK(job["properties"]["name"]["$ref"] == "#/components/schemas/Name");
+  CHECK(job["properties"]["ended"]["oneOf"][0]["$ref"] == "#/components/schemas/Name");
   const auto& lamp = document["paths"]["/api/lamp/{n}.jpg"]["get"];
   CHECK(lamp["responses"].contains("204"));
   CHECK(lamp["responses"]["200"]["content"].contains("image/jpeg"));

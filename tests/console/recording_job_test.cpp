@@ -25,15 +25,9 @@ struct AskedCell {
   KnownCell cell;
   StateBoard board;
   CellWorker worker;
-  CellJobs jobs;
-  PageSeat seat;
-  RecordingJob recording;
+  ConsoleJobs jobs{cell, board, worker, [] {}};
 
-  AskedCell()
-      : cell(written(folder)),
-        worker(cell, board, [] { return false; }),
-        jobs(cell, board, worker),
-        recording(cell, board, jobs, seat) {
+  AskedCell() : cell(written(folder)), worker(cell, board, [] { return false; }) {
     worker.command(EnableCommand{}, "enable", 0);
   }
 
@@ -55,13 +49,13 @@ struct AskedCell {
 
 TEST_CASE("A recording asks the page for the reflector until all is read") {
   AskedCell bench;
-  CHECK(bench.recording.begin({"plan.csv", "recording"}, 0) == 1);
+  CHECK(begin_recording(bench.jobs, {"plan.csv", "recording"}, 0) == 1);
   const PageQuestion first = bench.question_after(0);
   CHECK_THAT(first.text, Contains("reflector on 'datum1'"));
-  CHECK_THROWS_MATCHES(bench.seat.answer(first.id + 1, "1,2,3"), WorkError,
+  CHECK_THROWS_MATCHES(bench.jobs.person.answer(first.id + 1, "1,2,3"), WorkError,
                        Refused(Cause::kBusy, "question " + std::to_string(first.id + 1)));
   CHECK(bench.question() == first.id);
-  bench.seat.answer(first.id, " 1,2,3 ");
+  bench.jobs.person.answer(first.id, " 1,2,3 ");
   CHECK_THAT(bench.question_after(first.id).text, Contains("reflector on 'datum2'"));
   bench.board.change([](CellState& state) { state.advice = "the board is gone"; });
   bench.worker.stop();
@@ -70,23 +64,25 @@ TEST_CASE("A recording asks the page for the reflector until all is read") {
   CHECK_FALSE(state.question);
   CHECK(state.advice.empty());
   CHECK_THAT(state.job->ended, Contains("stopped as asked"));
-  CHECK_THROWS_MATCHES(bench.seat.answer(1, "s"), WorkError, Refused(Cause::kBusy, "question 1"));
-  CHECK_THROWS_MATCHES(bench.seat.confirm(), WorkError, Refused(Cause::kBusy));
+  CHECK_THROWS_MATCHES(bench.jobs.person.answer(1, "s"), WorkError,
+                       Refused(Cause::kBusy, "question 1"));
+  CHECK_THROWS_MATCHES(bench.jobs.person.confirm(""), WorkError, Refused(Cause::kBusy));
 }
 
 TEST_CASE("A recording that cannot begin is refused before anything moves") {
   AskedCell bench;
   for (const char* name : {"", ".plan.csv", "../plan.csv", "no/plan.csv"}) {
     INFO(name);
-    CHECK_THROWS_MATCHES(bench.recording.begin({name, "recording"}, 0), InputError,
+    CHECK_THROWS_MATCHES(begin_recording(bench.jobs, {name, "recording"}, 0), InputError,
                          Refused(Cause::kInvalid, "plan: "));
-    CHECK_THROWS_MATCHES(bench.recording.begin({"plan.csv", name}, 0), InputError,
+    CHECK_THROWS_MATCHES(begin_recording(bench.jobs, {"plan.csv", name}, 0), InputError,
                          Refused(Cause::kInvalid, "out: "));
   }
-  CHECK_THROWS_AS(bench.recording.begin({"none.csv", "recording"}, 0), InputError);
-  CHECK_THROWS_AS(bench.recording.begin({"plan.csv", "recording", "", "often"}, 0), InputError);
+  CHECK_THROWS_AS(begin_recording(bench.jobs, {"none.csv", "recording"}, 0), InputError);
+  CHECK_THROWS_AS(begin_recording(bench.jobs, {"plan.csv", "recording", "", "often"}, 0),
+                  InputError);
   bench.folder.write("far.csv", "id,plan,x_mm,y_mm\nt1,train,900,0\n");
-  CHECK_THROWS_MATCHES(bench.recording.begin({"far.csv", "recording"}, 0), InputError,
+  CHECK_THROWS_MATCHES(begin_recording(bench.jobs, {"far.csv", "recording"}, 0), InputError,
                        Refused(Cause::kUnreachable, "t1"));
   CHECK_FALSE(bench.board.state().job);
   CHECK_FALSE(std::filesystem::exists(bench.folder / "recording"));
@@ -95,13 +91,13 @@ TEST_CASE("A recording that cannot begin is refused before anything moves") {
 TEST_CASE("What is wanted stands above what is seen, until the person leaves") {
   StateBoard board;
   {
-    PageOperator person(
-        board, [] { return false; }, [] {});
-    person.say("g1: hold it");
-    person.say("g1: tilt it");
-    person.show("no board in the picture");
+    PageOperator page(board);
+    const auto person = page.attend([] { return false; }, [] {});
+    person->say("g1: hold it");
+    person->say("g1: tilt it");
+    person->show("no board in the picture");
     CHECK(board.state().advice == "g1: tilt it\nno board in the picture");
-    person.show("taken");
+    person->show("taken");
     CHECK(board.state().advice == "g1: tilt it\ntaken");
   }
   CHECK(board.state().advice.empty());
@@ -109,14 +105,32 @@ TEST_CASE("What is wanted stands above what is seen, until the person leaves") {
 
 TEST_CASE("What is advised is confirmed once") {
   StateBoard board;
-  PageOperator person(
-      board, [] { return false; }, [] {});
-  person.show("show the board");
+  PageOperator page(board);
+  const auto person = page.attend([] { return false; }, [] {});
+  person->show("show the board");
   CHECK(board.state().advice == "show the board");
-  CHECK_FALSE(person.entered());
-  person.confirm();
-  CHECK(person.entered());
-  CHECK_FALSE(person.entered());
+  CHECK_FALSE(person->entered());
+  page.confirm("");
+  CHECK(person->entered());
+  CHECK_FALSE(person->entered());
+}
+
+TEST_CASE("What was advised before does not confirm what is advised now") {
+  StateBoard board;
+  PageOperator page(board);
+  const auto person = page.attend([] { return false; }, [] {});
+  person->say("g1: hold it still");
+  person->show("no board in the picture");
+  const std::string read = board.state().advice;
+  person->show("taken in a second");
+  page.confirm(read);
+  person->say("the arm will move: take your hands away");
+  CHECK_FALSE(person->entered());
+  CHECK_THROWS_MATCHES(page.confirm(read), WorkError, Refused(Cause::kBusy, "by now"));
+  CHECK_FALSE(person->entered());
+  person->show("the board is gone");
+  page.confirm(board.state().advice);
+  CHECK(person->entered());
 }
 
 }  // namespace

@@ -22,11 +22,11 @@ TEST_CASE("Only a virtual cell is experimented on, in a folder of its own") {
   const KnownCell real(folder.write("real.yaml", test::replaced(text, "virtual: truth.yaml", "")));
   StateBoard board;
   CellWorker worker(cell, board, [] { return false; });
-  CellJobs jobs(cell, board, worker);
-  CHECK_THROWS_MATCHES(StepJob(real, board, jobs, [] {}).begin_experiment("experiment", 0),
-                       InputError, Refused(Cause::kInvalid, "real.yaml"));
-  CHECK_THROWS_MATCHES(StepJob(cell, board, jobs, [] {}).begin_experiment("../experiment", 0),
-                       InputError, Refused(Cause::kInvalid, "'../experiment'"));
+  ConsoleJobs jobs{cell, board, worker, [] {}}, at_real{real, board, worker, [] {}};
+  CHECK_THROWS_MATCHES(begin_experiment(at_real, "experiment", 0), InputError,
+                       Refused(Cause::kInvalid, "real.yaml"));
+  CHECK_THROWS_MATCHES(begin_experiment(jobs, "../experiment", 0), InputError,
+                       Refused(Cause::kInvalid, "'../experiment'"));
   CHECK(real.json()["virtual"] == false);
   CHECK(cell.json()["virtual"] == true);
   CHECK_FALSE(board.state().job);

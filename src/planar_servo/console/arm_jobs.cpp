@@ -75,35 +75,33 @@ std::string words_of(const PathSpeedResult& result) {
 
 }  // namespace
 
-int RecordingJob::begin(const RecordingOrder& order, StopsKnown known) {
+int begin_recording(ConsoleJobs& jobs, const RecordingOrder& order, StopsKnown known) {
   require_file_name(order.plan, "plan");
   require_file_name(order.out, "out");
   RecordRequest wanted;
-  wanted.cell = cell_.settings();
-  wanted.plan = read_plan(cell_.folder() / order.plan, wanted.cell.tool_orientation);
-  wanted.recording = cell_.folder() / order.out;
+  wanted.cell = jobs.cell.settings();
+  wanted.plan = read_plan(jobs.cell.folder() / order.plan, wanted.cell.tool_orientation);
+  wanted.recording = jobs.cell.folder() / order.out;
   wanted.on_bad_reading = value_in(kBadReadings, order.on_bad_reading, "on_bad_reading");
   if (!order.board.empty()) wanted.board = parse_board(order.board, BoardUse::kShape);
-  const auto record_all = [this, wanted](CellDevices& devices, const CellJobs::Stop& stop,
-                                         const CellJobs::Begun& begun) -> CellJobs::Ending {
+  const auto record_all = [&jobs, wanted](CellDevices& devices, const CellJobs::Stop& stop,
+                                          const CellJobs::Begun& begun) -> CellJobs::Ending {
     bool is_begun = false;
     const auto begin_once = [&] {
       if (!std::exchange(is_begun, true)) begun(0, wanted.plan.size());
     };
     RecordRequest request = wanted;
     request.stop = stop;
-    const auto at_page = std::make_shared<PageOperator>(board_, stop, begin_once);
-    request.person = at_page;
+    request.person = jobs.person.attend(stop, begin_once);
     request.watch = [&](const RecordingState& recording) {
       begin_once();
-      board_.change([&](CellState& state) {
+      jobs.board.change([&](CellState& state) {
         state.recording = recording;
         state.job->done = static_cast<std::size_t>(
             std::count_if(recording.places.begin(), recording.places.end(),
                           [](const auto& place) { return place.mark != PlaceMark::kToDo; }));
       });
     };
-    const auto seated = seat_.take(at_page);
     const RecordReport report = record(request, devices);
     begin_once();
     const std::string skipped =
@@ -112,41 +110,35 @@ int RecordingJob::begin(const RecordingOrder& order, StopsKnown known) {
                         report.present, skipped),
             report.skipped.empty()};
   };
-  return jobs_.begin(Doing::kRecording, "record", order.out, known, record_all);
+  return jobs.places.begin(Doing::kRecording, "record", order.out, known, record_all);
 }
 
-int CertificateJob::begin(const std::string& name, const CertificateSize& size, StopsKnown known) {
+int begin_certificate(ConsoleJobs& jobs, const std::string& name, const CertificateSize& size,
+                      StopsKnown known) {
   require_size(size);
-  const std::filesystem::path out = jobs_.folder(name);
-  const auto work = [=](CellDevices& devices, const CellJobs::Stop& stop,
-                        const CellJobs::Begun& begun) {
-    CertificateRequest request{jobs_.request(stop), size, jobs_.watch()};
+  const fs::path out = jobs.places.folder(name);
+  const auto work = [&jobs, size, out](CellDevices& devices, const CellJobs::Stop& stop,
+                                       const CellJobs::Begun& begun) -> CellJobs::Ending {
+    CertificateRequest request{jobs.places.request(stop), size, jobs.places.watch()};
     request.servo.folder.path = out;
-    return certify(request, devices, begun);
+    devices.tracker().ask_of(jobs.person.attend(stop, [] {}));
+    const AtEnd given_back([&] { devices.tracker().ask_of(std::make_shared<Terminal>()); });
+    const auto lend = [&](const CellSettings& /*cell*/) {
+      return std::shared_ptr<CellDevices>(std::shared_ptr<void>(), &devices);
+    };
+    bool is_begun = false;
+    const Certificate certificate =
+        certificate_of(run_certificate(request, lend, [&](std::size_t done, std::size_t all) {
+          if (!std::exchange(is_begun, true)) return begun(done, all);
+          jobs.places.show_progress(done, all);
+        }));
+    if (!is_begun) begun(certificate.run.moves.size(), certificate.run.moves.size());
+    write_certificate(certificate);
+    const std::string words = words_of(certificate);
+    jobs.places.hold(certificate.run.ended_by.empty() ? "" : words);
+    return {words, certificate.all_count()};
   };
-  return jobs_.begin(Doing::kRunning, "certificate", name, known, work);
-}
-
-CellJobs::Ending CertificateJob::certify(const CertificateRequest& request, CellDevices& devices,
-                                         const CellJobs::Begun& begun) {
-  const auto at_page = std::make_shared<PageOperator>(board_, request.servo.stop, [] {});
-  const auto seated = seat_.take(at_page);
-  devices.tracker().ask_of(at_page);
-  const AtEnd given_back([&] { devices.tracker().ask_of(std::make_shared<Terminal>()); });
-  const auto lend = [&](const CellSettings& /*cell*/) {
-    return std::shared_ptr<CellDevices>(std::shared_ptr<void>(), &devices);
-  };
-  bool is_begun = false;
-  const Certificate certificate =
-      certificate_of(run_certificate(request, lend, [&](std::size_t done, std::size_t all) {
-        if (!std::exchange(is_begun, true)) return begun(done, all);
-        jobs_.show_progress(done, all);
-      }));
-  if (!is_begun) begun(certificate.run.moves.size(), certificate.run.moves.size());
-  write_certificate(certificate);
-  const std::string words = words_of(certificate);
-  jobs_.hold(certificate.run.ended_by.empty() ? "" : words);
-  return {words, certificate.all_count()};
+  return jobs.places.begin(Doing::kRunning, "certificate", name, known, work);
 }
 
 void PathJob::load(const std::string& csv) {

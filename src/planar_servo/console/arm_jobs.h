@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,44 +19,6 @@ struct RecordingOrder {
   std::string plan, out;  ///< names in the cell's folder
   std::string board{};    ///< as --grid takes it; empty for none
   std::string on_bad_reading{"repeat"};
-};
-
-/// Records cells as planar-record does, with the person at a page. Any thread may call it.
-class RecordingJob {
- public:
-  /// All must outlive it.
-  RecordingJob(const KnownCell& cell, StateBoard& board, CellJobs& jobs, PageSeat& seat)
-      : cell_(cell), board_(board), jobs_(jobs), seat_(seat) {}
-
-  /// Begins or continues a recording; returns and throws as the functions of CellJobs do.
-  int begin(const RecordingOrder& order, StopsKnown known);
-
- private:
-  const KnownCell& cell_;
-  StateBoard& board_;
-  CellJobs& jobs_;
-  PageSeat& seat_;
-};
-
-/// Certifies a cell as planar-certify does, with the person at a page beside the tracker.
-class CertificateJob {
- public:
-  /// All must outlive it.
-  CertificateJob(StateBoard& board, CellJobs& jobs, PageSeat& seat)
-      : board_(board), jobs_(jobs), seat_(seat) {}
-
-  /// Begins a certificate in the folder `name` beside the cell file, or continues the one that was
-  /// broken off there. Returns and throws as the functions of CellJobs do; throws InputError for
-  /// sizes that planar-certify refuses, too.
-  int begin(const std::string& name, const CertificateSize& size, StopsKnown known);
-
- private:
-  CellJobs::Ending certify(const CertificateRequest& request, CellDevices& devices,
-                           const CellJobs::Begun& begun);
-
-  StateBoard& board_;
-  CellJobs& jobs_;
-  PageSeat& seat_;
 };
 
 /// Follows a path as planar-servo does. Any thread may call it.
@@ -93,5 +56,28 @@ class PathJob {
   mutable std::mutex mutex_;
   std::optional<Table> table_;
 };
+
+/// The work that is begun at a console.
+struct ConsoleJobs {
+  // All must outlive it.
+  const KnownCell& cell;
+  StateBoard& board;
+  CellWorker& worker;
+  /// Is called by the worker's thread when a step has made new files.
+  std::function<void()> changed;
+
+  CellJobs places{cell, board, worker};
+  PageOperator person{board};
+  PathJob path{cell, places};
+};
+
+// Begin a job with the person at a page; return and throw as the functions of CellJobs do.
+/// Begins or continues a recording as planar-record does.
+int begin_recording(ConsoleJobs& jobs, const RecordingOrder& order, StopsKnown known);
+/// Begins a certificate as planar-certify does in the folder `name` beside the cell file, or
+/// continues the one that was broken off there. Throws InputError for sizes that planar-certify
+/// refuses, too.
+int begin_certificate(ConsoleJobs& jobs, const std::string& name, const CertificateSize& size,
+                      StopsKnown known);
 
 }  // namespace planar

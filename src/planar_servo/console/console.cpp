@@ -131,12 +131,12 @@ struct Console::Parts {
         server(kept.port, kept.tls),
         log(kept.board),
         worker(cell, kept.board, kept.interrupted),
-        jobs(cell, kept.board, worker,
+        jobs{cell, kept.board, worker,
              [this] {
                worker.close();
                has_new_files = true;
-             }),
-        api(kept.gate, cell, kept.board, worker, jobs, server) {}
+             }},
+        api(kept.gate, jobs, server) {}
 
   std::atomic<bool> has_new_files{false};
   KnownCell cell;

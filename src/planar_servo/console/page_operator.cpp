@@ -10,13 +10,25 @@
 
 namespace planar {
 
-PageOperator::PageOperator(StateBoard& board, std::function<bool()> stop,
-                           std::function<void()> asked)
-    : board_(board), stop_(std::move(stop)), asked_(std::move(asked)) {}
+std::shared_ptr<Operator> PageOperator::attend(std::function<bool()> stop,
+                                               std::function<void()> asked) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  stop_ = std::move(stop);
+  asked_ = std::move(asked);
+  attends_ = true;
+  return {this, [](PageOperator* person) { person->leave(); }};
+}
 
-PageOperator::~PageOperator() {
-  show_question(std::nullopt);
-  board_.change([](CellState& state) { state.advice.clear(); });
+void PageOperator::leave() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    attends_ = confirmed_ = false;
+    told_.clear();
+  }
+  board_.change([](CellState& state) {
+    state.question.reset();
+    state.advice.clear();
+  });
 }
 
 std::string PageOperator::ask(const std::string& question) {
@@ -44,54 +56,35 @@ void PageOperator::show(const std::string& status) {
 }
 
 void PageOperator::tell(const char* level, const std::string& message) {
-  told_ = message;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    told_ = message;
+    confirmed_ = false;
+  }
   board_.tell_line(level, message);
 }
 
-bool PageOperator::answer(int question, const std::string& text) {
+void PageOperator::answer(int question, const std::string& text) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!is_open_ || answer_ || question != last_) return false;
+  if (!is_open_ || answer_ || question != last_)
+    throw WorkError({fmt::format("question {} is not asked now", question),
+                     "answer the one that stands on the page", "", Cause::kBusy});
   answer_ = text;
   answered_.notify_all();
-  return true;
 }
 
-void PageOperator::confirm() {
+void PageOperator::confirm(const std::string& advice) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!attends_)
+    throw WorkError({"nothing is to be confirmed", "begin a recording", "", Cause::kBusy});
+  if (!advice.empty() && advice.rfind(board_.named(told_), 0) != 0)
+    throw WorkError(
+        {"something else is advised by now", "read it, then confirm it", "", Cause::kBusy});
   confirmed_ = true;
 }
 
 void PageOperator::show_question(const std::optional<PageQuestion>& question) {
   board_.change([&](CellState& state) { state.question = question; });
-}
-
-std::shared_ptr<void> PageSeat::take(std::shared_ptr<PageOperator> person) {
-  set(std::move(person));
-  return {nullptr, [this](void*) { set(nullptr); }};
-}
-
-void PageSeat::answer(int question, const std::string& text) {
-  const auto there = person();
-  if (!there || !there->answer(question, text))
-    throw WorkError({fmt::format("question {} is not asked now", question),
-                     "answer the one that stands on the page", "", Cause::kBusy});
-}
-
-void PageSeat::confirm() {
-  const auto there = person();
-  if (!there)
-    throw WorkError({"nothing is to be confirmed", "begin a recording", "", Cause::kBusy});
-  there->confirm();
-}
-
-void PageSeat::set(std::shared_ptr<PageOperator> person) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  person_ = std::move(person);
-}
-
-std::shared_ptr<PageOperator> PageSeat::person() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return person_;
 }
 
 }  // namespace planar

@@ -12,15 +12,15 @@
 
 namespace planar {
 
-/// The person at a page: a question stands in the state of the cell until somebody answers it.
+/// The person at a page, who attends to one job at a time: a question stands in the state of the
+/// cell until somebody answers it.
 class PageOperator final : public Operator {
  public:
+  explicit PageOperator(StateBoard& board) : board_(board) {}
+
+  /// Returns this person, for a job. Question and advice are taken away when the result ends.
   /// `stop` is asked while a question stands. `asked` is called before each question.
-  PageOperator(StateBoard& board, std::function<bool()> stop, std::function<void()> asked);
-  /// Takes question and advice away.
-  ~PageOperator() override;
-  PageOperator(const PageOperator&) = delete;
-  PageOperator& operator=(const PageOperator&) = delete;
+  std::shared_ptr<Operator> attend(std::function<bool()> stop, std::function<void()> asked);
 
   bool is_attended() const override { return true; }
   /// Throws StopRequested when the question is not answered before that.
@@ -30,12 +30,15 @@ class PageOperator final : public Operator {
   void say(const std::string& message) override { tell("info", message); }
   void warn(const std::string& message) override { tell("warning", message); }
 
-  // Other threads call these two.
-  /// Answers the question of this number. Returns false when another one stands there, or none.
-  bool answer(int question, const std::string& text);
-  void confirm();
+  // Other threads call these two. They throw WorkError, kBusy, where no such thing stands there.
+  /// Answers the question of this number.
+  void answer(int question, const std::string& text);
+  /// Confirms what is advised: `advice` as the person has read it, or with an empty one whatever it
+  /// is. One from before the last message is refused.
+  void confirm(const std::string& advice);
 
  private:
+  void leave();
   void tell(const char* level, const std::string& message);
   void show_question(const std::optional<PageQuestion>& question);
 
@@ -44,30 +47,12 @@ class PageOperator final : public Operator {
   std::function<void()> asked_;
   std::mutex mutex_;
   std::condition_variable answered_;
-  std::string told_;  ///< the last message, which stands above what is shown
+  bool attends_{false};
+  std::string told_;  ///< the last message, which stands above what is shown; set by one thread
   int last_{0};       ///< number of the last question
   bool is_open_{false};
   std::optional<std::string> answer_;
   bool confirmed_{false};
-};
-
-/// Where requests, of any thread, find the person at the page of the present job, if it needs one.
-class PageSeat {
- public:
-  /// Gives the seat to this person until the result ends.
-  std::shared_ptr<void> take(std::shared_ptr<PageOperator> person);
-
-  /// Answers the question of this number; confirms an advice. Throw WorkError, kBusy, where none
-  /// stands.
-  void answer(int question, const std::string& text);
-  void confirm();
-
- private:
-  void set(std::shared_ptr<PageOperator> person);
-  std::shared_ptr<PageOperator> person();
-
-  std::mutex mutex_;
-  std::shared_ptr<PageOperator> person_;  ///< null while nobody sits there
 };
 
 }  // namespace planar

@@ -11,6 +11,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/threads.h"
@@ -84,45 +86,49 @@ int run_shell(const std::string& command, const std::function<bool()>& stop,
   return WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE;
 }
 
-}  // namespace
-
-int StepJob::begin(const std::string& board, StopsKnown known) {
-  const WorkStep step = next_of(cell_.settings().file, board);
-  if (!step.is_calculated)
-    throw InputError({fmt::format("next is {}: {}", step.name, step.what),
-                      "do it on this page, or by the command that is named"});
-  return follow("step", step.name, step.command, known, [this, step](const std::string& /*said*/) {
-    changed_();
-    return step.name + " is done";
-  });
-}
-
-int StepJob::begin_experiment(const std::string& name, StopsKnown known) {
-  const CellSettings& cell = cell_.settings();
-  if (!cell.truth)
-    throw InputError({"an experiment moves a real cell by itself, whose devices this console holds",
-                      "end the console, then use planar-experiment", cell.file});
-  const std::string command = fmt::format("planar-experiment --cell {} --out {}",
-                                          shell_word(cell.file), shell_word(jobs_.folder(name)));
-  return follow("experiment", name, command, known, [](const std::string& said) { return said; });
-}
-
-int StepJob::follow(const std::string& kind, const std::string& name, const std::string& command,
-                    StopsKnown known,
-                    const std::function<std::string(const std::string& said)>& finish) {
-  const auto calculate = [=](CellDevices& /*devices*/, const CellJobs::Stop& stop,
-                             const CellJobs::Begun& begun) -> CellJobs::Ending {
+/// Begins a job that runs a command. `finish` makes the words of a good end from its last line.
+int begin_command(ConsoleJobs& jobs, const std::string& kind, const std::string& name,
+                  const std::string& command, StopsKnown known,
+                  const std::function<std::string(const std::string& said)>& finish) {
+  const auto calculate = [=, &jobs](CellDevices& /*devices*/, const CellJobs::Stop& stop,
+                                    const CellJobs::Begun& begun) -> CellJobs::Ending {
     begun(0, 0);
     std::string last;
     const int status = run_shell(command, stop, [&](std::string line) {
-      board_.tell_line("info", line);
+      jobs.board.tell_line("info", line);
       last = std::move(line);
     });
     if (stop()) throw StopRequested(name + " was stopped");
     if (status != 0) return {last, false};
     return {finish(last), true};
   };
-  return jobs_.begin(Doing::kCalculating, kind, name, known, calculate);
+  return jobs.places.begin(Doing::kCalculating, kind, name, known, calculate);
+}
+
+}  // namespace
+
+int begin_step(ConsoleJobs& jobs, const std::string& board, StopsKnown known) {
+  const WorkStep step = next_of(jobs.cell.settings().file, board);
+  if (!step.is_calculated)
+    throw InputError({fmt::format("next is {}: {}", step.name, step.what),
+                      "do it on this page, or by the command that is named"});
+  return begin_command(jobs, "step", step.name, step.command, known,
+                       [&jobs, step](const std::string& /*said*/) {
+                         jobs.changed();
+                         return step.name + " is done";
+                       });
+}
+
+int begin_experiment(ConsoleJobs& jobs, const std::string& name, StopsKnown known) {
+  const CellSettings& cell = jobs.cell.settings();
+  if (!cell.truth)
+    throw InputError({"an experiment moves a real cell by itself, whose devices this console holds",
+                      "end the console, then use planar-experiment", cell.file});
+  const std::string command =
+      fmt::format("planar-experiment --cell {} --out {}", shell_word(cell.file),
+                  shell_word(jobs.places.folder(name)));
+  return begin_command(jobs, "experiment", name, command, known,
+                       [](const std::string& said) { return said; });
 }
 
 }  // namespace planar

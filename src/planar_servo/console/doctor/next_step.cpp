@@ -16,9 +16,12 @@
 #include "planar_servo/base/io/checksum.h"
 #include "planar_servo/console/doctor/doctor.h"
 #include "planar_servo/files/map_file.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tool_file.h"
 #include "planar_servo/files/work_file.h"
+#include "planar_servo/hardware/cell/cell_settings.h"
+#include "planar_servo/hardware/cell/device_kinds.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/machine/plausibility.h"
 #include "planar_servo/work/workpiece/bar_places.h"
@@ -37,6 +40,197 @@ constexpr int kFirstReadings = 200;  // those of the timetable in doc/afternoon.
 constexpr int kMoreReadings = 40;
 // Those of README.md's figures without a tracker.
 constexpr int kPosesAlone = 1000, kLaysAlone = 12;
+
+std::vector<MadeFile> existing(std::vector<MadeFile> files) {
+  files.erase(std::remove_if(files.begin(), files.end(),
+                             [](const MadeFile& file) { return !fs::exists(file.path); }),
+              files.end());
+  return files;
+}
+
+/// Whether a certificate ended before its last move, by its figures.
+bool was_ended(const fs::path& figures) {
+  const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
+  return json.is_object() && json.contains("ended_by") && json["ended_by"] != "" &&
+         !json["ended_by"].is_null();
+}
+
+/// Knows the files of the work on a cell, those that the cell file names and those beside it, and
+/// tells which of them are missing or no longer valid.
+class WorkFiles {
+ public:
+  /// Throws InputError for a cell file with faults, and for devices that do not go together.
+  WorkFiles(const fs::path& cell_file, std::string board)
+      : cell_(read_cell(cell_file)), board_(std::move(board)), folder_(cell_file.parent_path()) {
+    require_devices(cell_);
+    findings_ = examine_files(cell_);
+    lamps_ = beside(name_of(Role::kLamps, "lamps.csv"));
+    pairs_ = beside(name_of(Role::kPairs, "pairs.csv"));
+    stale_ = stale_by_tables();
+  }
+
+  const CellSettings& cell() const { return cell_; }
+  /// The calibration board, as --grid takes it.
+  const std::string& board() const { return board_; }
+  fs::path beside(const std::string& name) const { return folder_ / name; }
+  fs::path recording() const { return beside("recording"); }
+  /// The table of lamps, as it was called when the calibration was made from it.
+  fs::path lamps() const { return lamps_; }
+  fs::path pairs() const { return pairs_; }
+
+  /// Returns the drawings of a bar and of the base's marks that lie beside the cell file.
+  std::vector<MadeFile> anchors() const {
+    return existing({{Role::kBar, beside("bar.csv")}, {Role::kMarks, beside("marks.csv")}});
+  }
+
+  /// Returns why the first of these files that is missing, faulty or no longer valid is so.
+  Reason reason_of(const std::vector<fs::path>& files) const {
+    for (const fs::path& file : files) {
+      if (!fs::exists(file)) return file.string() + " does not exist yet";
+      for (const Finding& finding : findings_)
+        if (finding.where == file.filename().string() &&
+            finding.verdict == Finding::Verdict::kFaulty && !finding.remedy.empty())
+          return fmt::format("{}; {}", finding.fault, finding.remedy);
+      if (auto stale = stale_by_table(file)) return stale;
+    }
+    return std::nullopt;
+  }
+
+  /// Returns why a file was made from other tables than those that are there now.
+  Reason stale_by_table(const fs::path& file) const {
+    for (const StaleFile& stale : stale_)
+      if (stale.path == file) return stale.text();
+    return std::nullopt;
+  }
+
+  /// Returns the file and, for one of the calibration, the program that made it and when.
+  std::string description(const fs::path& file) const {
+    for (const Finding& finding : findings_)
+      if (finding.where == file.filename().string())
+        return fmt::format("{}, {}", file.string(),
+                           finding.fault.substr(0, finding.fault.find(" from ")));
+    return fs::exists(file) ? file.string() : "all that is made from it is there";
+  }
+
+  /// Returns those of STEM, STEM_2, STEM_3, ... that there are beside the cell file.
+  std::vector<fs::path> series(const std::string& stem, const std::string& ending = "") const {
+    std::vector<fs::path> found;
+    fs::path name = beside(stem + ending);
+    for (int number = 2; fs::exists(name); ++number) {
+      found.push_back(name);
+      name = beside(fmt::format("{}_{}{}", stem, number, ending));
+    }
+    return found;
+  }
+
+  /// Returns the folders beside the cell file whose names begin with STEM, those of the page, too.
+  std::vector<fs::path> folders(const std::string& stem) const {
+    std::vector<fs::path> found;
+    for (const fs::directory_entry& entry : fs::directory_iterator(beside(".")))
+      if (entry.is_directory() && entry.path().filename().string().rfind(stem, 0) == 0)
+        found.push_back(beside(entry.path().filename().string()));
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+  /// Returns the first of the series that there is not.
+  fs::path next_of(const std::string& stem, const std::string& ending = "") const {
+    const std::size_t count = series(stem, ending).size();
+    return beside(count == 0 ? stem + ending : fmt::format("{}_{}{}", stem, count + 1, ending));
+  }
+
+  bool is_recorded() const { return !holds_no_row(recording() / "frames.csv", frames_header()); }
+
+  /// Returns how many rows of a plan the recording lacks. Throws InputError for a faulty plan.
+  std::size_t unrecorded(const fs::path& plan) const {
+    std::set<std::string> recorded;
+    if (is_recorded())
+      for (const FrameRow& frame : read_frames(recording())) recorded.insert(frame.id);
+    const std::vector<PlanRow> rows = read_plan(plan, cell_.tool_orientation);
+    return static_cast<std::size_t>(std::count_if(
+        rows.begin(), rows.end(), [&](const PlanRow& row) { return recorded.count(row.id) == 0; }));
+  }
+
+  /// Returns whether the folder of a run was made with the calibration as it is now.
+  bool is_run_of_now(const fs::path& run) const {
+    const fs::path results = run / "results.csv";
+    if (!fs::exists(run / "run.yaml") || !fs::exists(results)) return false;
+    const std::string about = read_file(run / "run.yaml");
+    const bool by_truth = about.find("_truth:") != about.npos;  // only a virtual cell has one
+    if (about.find("error_map_used: false") != about.npos || by_truth != cell_.truth.has_value())
+      return false;
+    return are_results_of_now(results);
+  }
+
+  /// Returns whether the cell file and calibration of now can continue the certificate of a folder.
+  bool is_certificate_to_continue(const fs::path& certificate) const {
+    const fs::path cycles = certificate / "cycles.csv", results = certificate / "results.csv";
+    const fs::path figures = certificate / "certificate.json";
+    if (fs::exists(figures) && !was_ended(figures)) return false;
+    if (!fs::exists(cycles)) return !fs::exists(results);
+    return remark_in(cycles, "# cell: ") == content_sha256(cell_.file) &&
+           (!fs::exists(results) || are_results_of_now(results));
+  }
+
+  /// Returns whether the folder of a certificate is about the calibration as it is now.
+  bool is_certificate_of_now(const fs::path& certificate) const {
+    const fs::path figures = certificate / "certificate.json";
+    if (!fs::exists(figures) || was_ended(figures)) return false;
+    const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
+    if (!json.is_object() || !json.contains("files")) return false;
+    const std::string certified = json["files"].dump();
+    const std::vector<MadeFile> files = calibration_files(cell_, true);
+    return std::all_of(files.begin(), files.end(), [&](const MadeFile& file) {
+      return fs::exists(file.path) &&
+             certified.find(content_sha256(file.path)) != std::string::npos;
+    });
+  }
+
+ private:
+  bool are_results_of_now(const fs::path& results) const {
+    std::vector<MadeFile> files = calibration_files(cell_, true);
+    if (cell_.arm_found) files.push_back({Role::kArmFound, *cell_.arm_found});
+    return contradictions({{Role::kPairs, results}}, origins_in(cell_, files), values_of(kRoles))
+        .empty();
+  }
+
+  std::string name_of(Role role, const char* otherwise) const {
+    for (const MadeFile& file : existing(made_files(cell_, true)))
+      for (const Origin& origin : read_origins(file.path))
+        if (origin.role == role) return origin.name;
+    return otherwise;
+  }
+
+  /// Returns the files that were made from other tables than those that are there now, and a table
+  /// of lamps that planar-pair-tracker would refuse.
+  std::vector<StaleFile> stale_by_tables() const {
+    const std::vector<MadeFile> tables = existing({{Role::kFrames, recording() / "frames.csv"},
+                                                   {Role::kTracker, recording() / "tracker.csv"},
+                                                   {Role::kLamps, lamps_},
+                                                   {Role::kPairs, pairs_}});
+    std::vector<Origin> present;
+    for (const std::vector<MadeFile>& files : {tables, anchors()})
+      for (const MadeFile& file : files) present.push_back(origin_of(file));
+    std::vector<MadeFile> made = made_files(cell_, true);
+    made.push_back({Role::kPairs, pairs_});
+    std::vector<StaleFile> stale = contradictions(
+        existing(std::move(made)), present,
+        {Role::kFrames, Role::kTracker, Role::kLamps, Role::kPairs, Role::kBar, Role::kMarks});
+    for (const Origin& origin : origins_in(cell_, {{Role::kCamera, cell_.camera_model}}))
+      present.push_back(origin);
+    for (StaleFile& lamps :
+         contradictions(existing({{Role::kLamps, lamps_}}), present,
+                        {Role::kCamera, Role::kFrames, Role::kLampLayout, Role::kImageSize}))
+      stale.push_back(std::move(lamps));
+    return stale;
+  }
+
+  CellSettings cell_;
+  std::string board_;
+  fs::path folder_, lamps_, pairs_;
+  std::vector<Finding> findings_;
+  std::vector<StaleFile> stale_;
+};
 
 WorkStep step(const std::string& name, const Reason& reason, const std::string& done,
               const std::string& command) {
@@ -385,171 +579,6 @@ nlohmann::json steps_json(const std::vector<WorkStep>& steps) {
                     {"what", step.what},
                     {"command", step.command}});
   return {{"steps", rows}};
-}
-
-namespace {
-
-namespace fs = std::filesystem;
-
-std::vector<MadeFile> existing(std::vector<MadeFile> files) {
-  files.erase(std::remove_if(files.begin(), files.end(),
-                             [](const MadeFile& file) { return !fs::exists(file.path); }),
-              files.end());
-  return files;
-}
-
-/// Whether a certificate ended before its last move, by its figures.
-bool was_ended(const fs::path& figures) {
-  const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
-  return json.is_object() && json.contains("ended_by") && json["ended_by"] != "" &&
-         !json["ended_by"].is_null();
-}
-
-}  // namespace
-
-WorkFiles::WorkFiles(const fs::path& cell_file, std::string board)
-    : cell_(read_cell(cell_file)), board_(std::move(board)), folder_(cell_file.parent_path()) {
-  require_devices(cell_);
-  findings_ = examine_files(cell_);
-  lamps_ = beside(name_of(Role::kLamps, "lamps.csv"));
-  pairs_ = beside(name_of(Role::kPairs, "pairs.csv"));
-  stale_ = stale_by_tables();
-}
-
-std::string WorkFiles::name_of(Role role, const char* otherwise) const {
-  for (const MadeFile& file : existing(made_files(cell_, true)))
-    for (const Origin& origin : read_origins(file.path))
-      if (origin.role == role) return origin.name;
-  return otherwise;
-}
-
-/// Returns the files that were made from other tables than those that are there now, and a table of
-/// lamps that planar-pair-tracker would refuse.
-std::vector<StaleFile> WorkFiles::stale_by_tables() const {
-  const std::vector<MadeFile> tables = existing({{Role::kFrames, recording() / "frames.csv"},
-                                                 {Role::kTracker, recording() / "tracker.csv"},
-                                                 {Role::kLamps, lamps_},
-                                                 {Role::kPairs, pairs_}});
-  std::vector<Origin> present;
-  for (const std::vector<MadeFile>& files : {tables, anchors()})
-    for (const MadeFile& file : files) present.push_back(origin_of(file));
-  std::vector<MadeFile> made = made_files(cell_, true);
-  made.push_back({Role::kPairs, pairs_});
-  std::vector<StaleFile> stale = contradictions(
-      existing(std::move(made)), present,
-      {Role::kFrames, Role::kTracker, Role::kLamps, Role::kPairs, Role::kBar, Role::kMarks});
-  for (const Origin& origin : origins_in(cell_, {{Role::kCamera, cell_.camera_model}}))
-    present.push_back(origin);
-  for (StaleFile& lamps :
-       contradictions(existing({{Role::kLamps, lamps_}}), present,
-                      {Role::kCamera, Role::kFrames, Role::kLampLayout, Role::kImageSize}))
-    stale.push_back(std::move(lamps));
-  return stale;
-}
-
-std::vector<MadeFile> WorkFiles::anchors() const {
-  return existing({{Role::kBar, beside("bar.csv")}, {Role::kMarks, beside("marks.csv")}});
-}
-
-std::optional<std::string> WorkFiles::reason_of(const std::vector<fs::path>& files) const {
-  for (const fs::path& file : files) {
-    if (!fs::exists(file)) return file.string() + " does not exist yet";
-    for (const Finding& finding : findings_)
-      if (finding.where == file.filename().string() &&
-          finding.verdict == Finding::Verdict::kFaulty && !finding.remedy.empty())
-        return fmt::format("{}; {}", finding.fault, finding.remedy);
-    if (auto stale = stale_by_table(file)) return stale;
-  }
-  return std::nullopt;
-}
-
-std::optional<std::string> WorkFiles::stale_by_table(const fs::path& file) const {
-  for (const StaleFile& stale : stale_)
-    if (stale.path == file) return stale.text();
-  return std::nullopt;
-}
-
-std::string WorkFiles::description(const fs::path& file) const {
-  for (const Finding& finding : findings_)
-    if (finding.where == file.filename().string())
-      return fmt::format("{}, {}", file.string(),
-                         finding.fault.substr(0, finding.fault.find(" from ")));
-  return fs::exists(file) ? file.string() : "all that is made from it is there";
-}
-
-std::vector<fs::path> WorkFiles::series(const std::string& stem, const std::string& ending) const {
-  std::vector<fs::path> found;
-  fs::path name = beside(stem + ending);
-  for (int number = 2; fs::exists(name); ++number) {
-    found.push_back(name);
-    name = beside(fmt::format("{}_{}{}", stem, number, ending));
-  }
-  return found;
-}
-
-std::vector<fs::path> WorkFiles::folders(const std::string& stem) const {
-  std::vector<fs::path> found;
-  for (const fs::directory_entry& entry : fs::directory_iterator(beside(".")))
-    if (entry.is_directory() && entry.path().filename().string().rfind(stem, 0) == 0)
-      found.push_back(beside(entry.path().filename().string()));
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
-fs::path WorkFiles::next_of(const std::string& stem, const std::string& ending) const {
-  const std::size_t count = series(stem, ending).size();
-  return beside(count == 0 ? stem + ending : fmt::format("{}_{}{}", stem, count + 1, ending));
-}
-
-bool WorkFiles::is_recorded() const {
-  return !holds_no_row(recording() / "frames.csv", frames_header());
-}
-
-std::size_t WorkFiles::unrecorded(const fs::path& plan) const {
-  std::set<std::string> recorded;
-  if (is_recorded())
-    for (const FrameRow& frame : read_frames(recording())) recorded.insert(frame.id);
-  const std::vector<PlanRow> rows = read_plan(plan, cell_.tool_orientation);
-  return static_cast<std::size_t>(std::count_if(
-      rows.begin(), rows.end(), [&](const PlanRow& row) { return recorded.count(row.id) == 0; }));
-}
-
-bool WorkFiles::is_run_of_now(const fs::path& run) const {
-  const fs::path results = run / "results.csv";
-  if (!fs::exists(run / "run.yaml") || !fs::exists(results)) return false;
-  const std::string about = read_file(run / "run.yaml");
-  const bool by_truth = about.find("_truth:") != about.npos;  // only a virtual cell has one
-  if (about.find("error_map_used: false") != about.npos || by_truth != cell_.truth.has_value())
-    return false;
-  return are_results_of_now(results);
-}
-
-bool WorkFiles::are_results_of_now(const fs::path& results) const {
-  std::vector<MadeFile> files = calibration_files(cell_, true);
-  if (cell_.arm_found) files.push_back({Role::kArmFound, *cell_.arm_found});
-  return contradictions({{Role::kPairs, results}}, origins_in(cell_, files), values_of(kRoles))
-      .empty();
-}
-
-bool WorkFiles::is_certificate_to_continue(const fs::path& certificate) const {
-  const fs::path cycles = certificate / "cycles.csv", results = certificate / "results.csv";
-  const fs::path figures = certificate / "certificate.json";
-  if (fs::exists(figures) && !was_ended(figures)) return false;
-  if (!fs::exists(cycles)) return !fs::exists(results);
-  return remark_in(cycles, "# cell: ") == content_sha256(cell_.file) &&
-         (!fs::exists(results) || are_results_of_now(results));
-}
-
-bool WorkFiles::is_certificate_of_now(const fs::path& certificate) const {
-  const fs::path figures = certificate / "certificate.json";
-  if (!fs::exists(figures) || was_ended(figures)) return false;
-  const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
-  if (!json.is_object() || !json.contains("files")) return false;
-  const std::string certified = json["files"].dump();
-  const std::vector<MadeFile> files = calibration_files(cell_, true);
-  return std::all_of(files.begin(), files.end(), [&](const MadeFile& file) {
-    return fs::exists(file.path) && certified.find(content_sha256(file.path)) != std::string::npos;
-  });
 }
 
 }  // namespace planar

@@ -214,9 +214,11 @@ ListeningPort::ListeningPort(const std::string& address, int port) : number_(por
   else if (!bind_to_port(address, port))
     number_ = -1;
   if (number_ < 0)
-    throw InputError({fmt::format("port {} of {} is taken or not allowed", port, address),
-                      "end the program that listens there, or name another one with --port", "",
-                      Cause::kSystem});
+    throw InputError({fmt::format("port {} of {} is taken, not allowed or none of this computer's",
+                                  port, address),
+                      "end the program that listens there, name another one with --port, or an "
+                      "address that `ip address` shows with --listen",
+                      "", Cause::kSystem});
   ::listen(svr_sock_, kBacklog);
   // A client may be gone between poll() and accept().
   fcntl(svr_sock_, F_SETFL, fcntl(svr_sock_, F_GETFL) | O_NONBLOCK);

@@ -147,14 +147,10 @@ std::string_view page_text(std::string_view name) {
 
 }  // namespace
 
-ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board,
-                       CellWorker& worker, ConsoleJobs& jobs, ConsoleServer& server)
+ConsoleApi::ConsoleApi(const Gatekeeper& gate, ConsoleJobs& jobs, ConsoleServer& server)
     : gate_(gate),
-      cell_(cell),
-      board_(board),
-      worker_(worker),
       jobs_(jobs),
-      orders_(board, worker, jobs),
+      orders_(jobs),
       server_(server),
       description_(page_text("openapi.json")),
       allowance_(kRequests_s) {
@@ -186,25 +182,13 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard
              [this](const Request&) { return targets_json(jobs_.places.targets()); });
   answer_get("/api/table", [this](const Request&) { return table(); });
   answer_get("/api/path", [this](const Request&) { return jobs_.path.json(); });
-  answer_post("/api/operator", &ConsoleOrders::take_floor);
-  server_.Post("/api/stop", [this](const Request&, Response& response) {
-    response.set_content(text_of(orders_.stop()), kJson);  // whatever the body is
+  answer_post("/api/operator", [this](const Json& body, const Sender& sender) {
+    return orders_.take_floor(body, sender.client);
   });
-  answer_post("/api/command", &ConsoleOrders::command);
-  answer_post("/api/jog", &ConsoleOrders::jog);
-  answer_post("/api/jog/keep", &ConsoleOrders::keep);
-  answer_post("/api/targets", &ConsoleOrders::load_targets);
-  answer_post("/api/run", &ConsoleOrders::run);
-  answer_post("/api/go", &ConsoleOrders::go);
-  answer_post("/api/check", &ConsoleOrders::check);
-  answer_post("/api/record", &ConsoleOrders::record);
-  answer_post("/api/path", &ConsoleOrders::load_path);
-  answer_post("/api/follow", &ConsoleOrders::follow);
-  answer_post("/api/certificate", &ConsoleOrders::certify);
-  answer_post("/api/experiment", &ConsoleOrders::experiment);
-  answer_post("/api/answer", &ConsoleOrders::answer);
-  answer_post("/api/confirm", &ConsoleOrders::confirm);
-  answer_post("/api/step", &ConsoleOrders::step);
+  for (const auto& order : ConsoleOrders::acts())
+    answer_post(order.first, [this, act = order.second](const Json& body, const Sender& sender) {
+      return orders_.obey(act, body, sender);
+    });
   serve_pictures();
   serve_events();
   serve_page();
@@ -224,7 +208,15 @@ bool ConsoleApi::admit(const Request& request, Response& response) {
     if (is_page) response.set_content(denial->text() + "\n", "text/plain; charset=utf-8");
     return false;
   }
-  if (head.path == "/api/stop") return true;
+  if (head.method == "POST" && head.path == "/api/stop") {
+    response.set_content(text_of(orders_.stop()), kJson);  // whatever its body is, and before it
+    return false;
+  }
+  // The most that a body may have is not asked of what it is unpacked to.
+  if (request.has_header("Transfer-Encoding") || request.has_header("Content-Encoding")) {
+    refuse(response, 415, {{"is encoded", "send it plainly, with Content-Length", "body"}});
+    return false;
+  }
   if (is_within_rate()) {
     // By its beginning: a pattern's time and stack grow with the name.
     if (head.method != "GET" || head.path.rfind(kReports, 0) != 0) return true;
@@ -253,12 +245,13 @@ void ConsoleApi::answer_get(const char* path, std::function<Json(const Request&)
   });
 }
 
-void ConsoleApi::answer_post(const char* path, ConsoleOrders::Act act) {
-  server_.Post(path, [this, act, keys = description_.keys(path)](const Request& request,
-                                                                 Response& response) {
+void ConsoleApi::answer_post(const std::string& path,
+                             std::function<Json(const Json& body, const Sender& sender)> act) {
+  server_.Post(path, [this, act = std::move(act), keys = description_.keys(path)](
+                         const Request& request, Response& response) {
     const Sender sender = orders_.sender(request.get_header_value(kClient), stops_in(request));
     const Json body = body_of(request, keys);
-    response.set_content(board_.named(text_of((orders_.*act)(body, sender))), kJson);
+    response.set_content(board_.named(text_of(act(body, sender))), kJson);
   });
 }
 
@@ -370,19 +363,29 @@ ApiJson reference(const char* kind, const std::string& name) {
   return {{"$ref", std::string("#/components/") + kind + "/" + name}};
 }
 
-/// Returns a schema, which the list names or writes out.
+/// Writes a schema out: the list may name it, and its objects need all properties but the optional.
 ApiJson schema_of(const ApiJson& listed) {
-  return listed.is_string() ? reference("schemas", listed) : listed;
+  if (listed.is_string()) return reference("schemas", listed);
+  ApiJson schema = listed;
+  if (listed.contains("items")) schema["items"] = schema_of(listed["items"]);
+  if (listed.contains("oneOf")) schema["oneOf"] = json_list(listed["oneOf"], schema_of);
+  if (!listed.contains("properties")) return schema;
+  const ApiJson optional = listed.value("optional", ApiJson::array());
+  schema.erase("optional");
+  schema["type"] = listed.value("type", ApiJson("object"));
+  schema["required"] = ApiJson::array();
+  for (const auto& [key, property] : listed["properties"].items()) {
+    schema["properties"][key] = schema_of(property);
+    if (std::find(optional.begin(), optional.end(), key) == optional.end())
+      schema["required"].push_back(key);
+  }
+  return schema;
 }
 
 ApiJson body_of(const ApiJson& listed) {
-  ApiJson properties = ApiJson::object();
-  const ApiJson taken = listed.value("body", ApiJson::object());
-  for (const auto& [key, schema] : taken.items()) properties[key] = schema_of(schema);
-  const ApiJson schema{{"type", "object"},
-                       {"additionalProperties", false},
-                       {"required", listed.value("required", ApiJson::array())},
-                       {"properties", properties}};
+  const ApiJson schema = schema_of({{"additionalProperties", false},
+                                    {"properties", listed.value("body", ApiJson::object())},
+                                    {"optional", listed.value("optional", ApiJson::array())}});
   return {{"required", true}, {"content", {{"application/json", {{"schema", schema}}}}}};
 }
 
@@ -425,6 +428,7 @@ ApiDescription::ApiDescription(std::string_view list) {
     const ApiJson taken = listed.value("body", ApiJson::object());
     for (const auto& entry : taken.items()) keys.push_back(entry.key());
   }
+  for (ApiJson& schema : document.at("components").at("schemas")) schema = schema_of(schema);
   document.erase("requests");
   document["paths"] = std::move(paths);
   openapi_ = document.dump(1);

@@ -10,12 +10,10 @@
 #include <string_view>
 #include <vector>
 
-#include "planar_servo/console/cell_worker.h"
+#include "planar_servo/console/arm_jobs.h"
 #include "planar_servo/console/http/connections.h"
 #include "planar_servo/console/http/console_orders.h"
 #include "planar_servo/console/http/rights.h"
-#include "planar_servo/console/known_cell.h"
-#include "planar_servo/console/state_board.h"
 
 namespace planar {
 
@@ -40,8 +38,7 @@ class ApiDescription {
 class ConsoleApi {
  public:
   /// All must outlive the API. `server` is open.
-  ConsoleApi(const Gatekeeper& gate, const KnownCell& cell, StateBoard& board, CellWorker& worker,
-             ConsoleJobs& jobs, ConsoleServer& server);
+  ConsoleApi(const Gatekeeper& gate, ConsoleJobs& jobs, ConsoleServer& server);
 
  private:
   using Request = httplib::Request;
@@ -50,7 +47,8 @@ class ConsoleApi {
 
   bool admit(const Request& request, Response& response);
   void answer_get(const char* path, std::function<Json(const Request&)> read);
-  void answer_post(const char* path, ConsoleOrders::Act act);
+  void answer_post(const std::string& path,
+                   std::function<Json(const Json& body, const Sender& sender)> act);
   void serve_pictures();
   void serve_events();
   void serve_page();
@@ -66,10 +64,10 @@ class ConsoleApi {
   bool is_within_rate();
 
   const Gatekeeper& gate_;
-  const KnownCell& cell_;
-  StateBoard& board_;
-  CellWorker& worker_;
   ConsoleJobs& jobs_;
+  const KnownCell& cell_{jobs_.cell};
+  StateBoard& board_{jobs_.board};
+  CellWorker& worker_{jobs_.worker};
   ConsoleOrders orders_;
   ConsoleServer& server_;
   ApiDescription description_;

@@ -1,7 +1,7 @@
 // What a cell reaches: its certificate, and experiments on a virtual one.
 
 import {order} from "./actions.js";
-import {byId, dayOf, put, show} from "./dom.js";
+import {byId, dayOf, onSubmit, put, show} from "./dom.js";
 import {clearReadings} from "./recording.js";
 
 // Five poses, then three of them from four sides, as certificate_moves() makes them.
@@ -16,18 +16,12 @@ function showSize() {
 
 export const showAccuracy = cell => show("experiment", cell.virtual);
 
-export function prepareAccuracy() {
-  byId("certificate-name").value = `certificate_${dayOf(new Date())}`;
-  showSize();
-  byId("certificate-form").addEventListener("input", showSize);
-  byId("certificate-form").addEventListener("submit", event => {
-    event.preventDefault();
-    clearReadings();
-    order("api/certificate", {out: byId("certificate-name").value, cycles: number("cycles"), targets: number("certified-targets")});
-  });
-  byId("experiment-name").value = `experiment_${dayOf(new Date())}`;
-  byId("experiment-form").addEventListener("submit", event => {
-    event.preventDefault();
-    order("api/experiment", {out: byId("experiment-name").value});
-  });
-}
+byId("certificate-name").value = `certificate_${dayOf(new Date())}`;
+showSize();
+byId("certificate-form").addEventListener("input", showSize);
+onSubmit("certificate-form", () => {
+  clearReadings();
+  order("api/certificate", {out: byId("certificate-name").value, cycles: number("cycles"), targets: number("certified-targets")});
+});
+byId("experiment-name").value = `experiment_${dayOf(new Date())}`;
+onSubmit("experiment-form", () => order("api/experiment", {out: byId("experiment-name").value}));

@@ -1,7 +1,9 @@
 // Orders to the server, and who may give them.
 
-import {byId, make, plain, put, sentence, show} from "./dom.js";
-import {client, tell} from "./link.js";
+import {byId, make, onSubmit, plain, put, sentence, show} from "./dom.js";
+import {client, hangUp, tell} from "./link.js";
+
+const LATE_MS = 300;
 
 /// Returns the answer to a question; null after a refusal, which is shown until it is closed or an order succeeds.
 export async function attempt(question) {
@@ -23,9 +25,9 @@ export function complain({fault, remedy, where, faults = []}) {
   show("notice", true);
 }
 
-/// Gives an order and returns its answer; null after a refusal.
-export async function order(path, body) {
-  const answer = await attempt(() => tell(path, body));
+/// Gives an order and returns its answer; null after a refusal. `known` is as in tell().
+export async function order(path, body, known) {
+  const answer = await attempt(() => tell(path, body, known));
   put("answer", "");
   if (answer) show("notice", false);
   return answer;
@@ -40,7 +42,11 @@ export async function command(line) {
   return answer.done;
 }
 
-export const stop = () => tell("api/stop").catch(refusal => complain(refusal));
+/// Stops the cell. Where streams of other pages keep all of the browser's connections, this page's own gives way.
+export function stop() {
+  const late = setTimeout(() => hangUp(), LATE_MS);
+  return attempt(() => tell("api/stop")).finally(() => clearTimeout(late));
+}
 
 /// Whether this page has the right to operate and nobody else moves the cell.
 export const mayOperate = (cell, state) => cell.right === "operate" && (!state.operator || state.operator === client);
@@ -64,15 +70,12 @@ export function setReady(id, ready) {
   gate();
 }
 
-export function prepareActions() {
-  for (const button of document.querySelectorAll("[data-line]"))
-    button.addEventListener("click", () => command(button.dataset.line));
-  byId("line-form").addEventListener("submit", async event => {
-    event.preventDefault();
-    if (byId("line").value.trim() && await command(byId("line").value)) byId("line").select();
-  });
-  byId("notice-close").addEventListener("click", () => show("notice", false));
-  byId("stop").addEventListener("pointerdown", stop);
-  byId("stop").addEventListener("click", event => event.detail === 0 && stop());  // by keyboard
-  addEventListener("keydown", event => event.key === "Escape" && stop(), {capture: true});
-}
+for (const button of document.querySelectorAll("[data-line]"))
+  button.addEventListener("click", () => command(button.dataset.line));
+onSubmit("line-form", async () => {
+  if (byId("line").value.trim() && await command(byId("line").value)) byId("line").select();
+});
+byId("notice-close").addEventListener("click", () => show("notice", false));
+byId("stop").addEventListener("pointerdown", stop);
+byId("stop").addEventListener("click", event => event.detail === 0 && stop());  // by keyboard
+addEventListener("keydown", event => event.key === "Escape" && stop(), {capture: true});

@@ -105,6 +105,4 @@ export function addLine({t, level, text}) {
 
 export const clearLines = () => byId("lines").replaceChildren();
 
-export function prepareBar() {
-  byId("take").addEventListener("click", takeOver);
-}
+byId("take").addEventListener("click", takeOver);

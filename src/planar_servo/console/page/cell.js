@@ -1,7 +1,7 @@
 // The cell's files and what they were made from, what is next, its health, and the reports of earlier runs.
 
 import {attempt, order} from "./actions.js";
-import {byId, make, put, show} from "./dom.js";
+import {byId, make, onSubmit, put, show} from "./dom.js";
 import {ask} from "./link.js";
 
 const day = made => made ? made.replace("T", " ").replace(/(:\d\d)(:\d\d)?(\.\d+)?Z?$/, "$1") : "–";
@@ -23,18 +23,10 @@ export async function loadCell() {
   show("step-form", Boolean(next && next.is_calculated));
   byId("file-rows").replaceChildren(...files.map(fileRow));
   byId("reports").replaceChildren(...reports.map(({name, path, made}) => make("li", {},
-    make("a", {href: path, target: "_blank", rel: "noopener"}, name), " ", make("span", {class: "soft"}, day(made)))),
+    make("a", {href: path.split("/").map(encodeURIComponent).join("/"), target: "_blank", rel: "noopener"}, name), " ", make("span", {class: "soft"}, day(made)))),
     ...(reports.length ? [] : [make("li", {class: "soft"}, "None yet")]));
 }
 
-/// Does what is next where that only makes files.
-function doNext(event) {
-  event.preventDefault();
-  order("api/step", {board: byId("step-board").value || null});
-}
-
-export function prepareCell() {
-  byId("step-form").addEventListener("submit", doNext);
-  byId("step-board").addEventListener("change", () => attempt(loadCell));
-  byId("check").addEventListener("click", () => order("api/check"));
-}
+onSubmit("step-form", () => order("api/step", {board: byId("step-board").value || null}));
+byId("step-board").addEventListener("change", () => attempt(loadCell));
+byId("check").addEventListener("click", () => order("api/check"));

@@ -53,14 +53,34 @@ export const dayOf = time => `${time.getFullYear()}${two(time.getMonth() + 1)}${
 /// "20261126_1430"
 export const minuteOf = time => `${dayOf(time)}_${two(time.getHours())}${two(time.getMinutes())}`;
 
-/// The number in an input, written with a point or a comma; null for none.
+/// The number in an input, written with a point or a comma; null for none, NaN for what is no number.
 export function numberIn(id) {
   const text = byId(id).value.trim().replace(",", ".").replace("−", "-");
-  return text !== "" && Number.isFinite(Number(text)) ? Number(text) : null;
+  return text === "" ? null : Number(text);
 }
 
-/// Puts the text of a file that is chosen into a text area.
+/// Puts a text into a text area, unless somebody has written there.
+export function offerText(id, text) {
+  const area = byId(id);
+  if (area.value !== area.defaultValue) return;
+  area.value = text;
+  keepText(id);
+}
+
+/// Says that what somebody has written there is kept.
+export function keepText(id) {
+  byId(id).defaultValue = byId(id).value;
+}
+
+/// Does this where a form is sent.
+export const onSubmit = (id, act) => byId(id).addEventListener("submit", event => {
+  event.preventDefault();
+  act();
+});
+
+/// Puts the text of a file that is chosen into a text area, of the same file, too, which has changed since.
 export function offerFile(id, text) {
+  byId(id).addEventListener("click", event => { event.target.value = ""; });
   byId(id).addEventListener("change", async event => {
     const [file] = event.target.files;
     if (file) byId(text).value = await file.text();

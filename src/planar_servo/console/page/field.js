@@ -132,6 +132,7 @@ function showChosen() {
 }
 
 function redraw() {
+  if (!cell) return;
   px = cell.workspace.radius_max_mm * 2.2 / Math.max(svg.clientWidth, 1);
   svg.style.fontSize = `${11 * px}px`;
   ground();
@@ -188,17 +189,16 @@ export function showGround(ofCell) {
   redraw();
 }
 
-/// `choose([x, y])` is called with the place that is clicked, in mm.
-export function prepareField(choose) {
-  svg.append(draw("rect", {class: "paper"}));
-  for (const name of ["ground", "path", "arrows", "targets", "arm", "chosen"]) {
-    layers[name] = draw("g");
-    svg.append(layers[name]);
-  }
-  svg.addEventListener("click", event => {
-    const {x, y} = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-    choose([x, -y]);
-  });
-  byId("arrows").addEventListener("change", showArrows);
-  new ResizeObserver(redraw).observe(svg);
+/// The place of a click, in mm.
+export function placeAt(event) {
+  const {x, y} = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+  return [x, -y];
 }
+
+svg.append(draw("rect", {class: "paper"}));
+for (const name of ["ground", "path", "arrows", "targets", "arm", "chosen"]) {
+  layers[name] = draw("g");
+  svg.append(layers[name]);
+}
+byId("arrows").addEventListener("change", showArrows);
+new ResizeObserver(redraw).observe(svg);

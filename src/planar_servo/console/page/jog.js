@@ -1,10 +1,11 @@
 // Moving by hand. A motion lasts while a button or key is held: the server stops it when this page falls silent.
 
 import {command, complain, order, stop} from "./actions.js";
-import {byId, put, show, sentence} from "./dom.js";
-import {tell} from "./link.js";
+import {byId, onSubmit, put, show, sentence} from "./dom.js";
+import {stops, tell} from "./link.js";
 
 const KEEP_MS = 80;  // the server waits for 200
+const MOST_UNANSWERED = 2;  // behind more of them a stop would have to wait
 const TAP_MS = 250;  // a shorter press is a tap, which moves one whole step
 const TAP_LASTS_MS = 3000;
 const REPEAT_MS = 1200;  // a keyboard repeats a held key after a second at the latest
@@ -13,9 +14,10 @@ const FARTHEST_TURN_DEG = 15;  // of one command
 const KEYS = {arrowright: "x +", arrowleft: "x -", arrowup: "y +", arrowdown: "y -", q: "joint 1 +", a: "joint 1 -",
   w: "joint 2 +", s: "joint 2 -", e: "joint 3 +", d: "joint 3 -"};
 
-let pressed = null;  // the newest press: {motion, code, heard, since, down, kept, begun, over}
+let pressed = null;  // the newest press: {motion, code, known, heard, since, down, kept, begun, over}
 let moving = null;   // the step under way: {hold, seq, end}
 let before = Promise.resolve();  // the end of all presses before
+let dropped = before;  // the answer to the last stop by drop(), which stops nothing that is pressed later
 
 const step = () => document.querySelector("input[name=step]:checked").value;
 const lineOf = motion => motion.slice(0, -1) + (motion.endsWith("-") ? "-" : "") +
@@ -27,11 +29,18 @@ function isHeld(hold) {
   return hold.kept;
 }
 
-/// Moves one step, and keeps it alive until it has ended or is let go. Returns whether another may follow.
+/// Moves one step, and keeps it alive until it has ended or is let go. Returns whether another may follow. After a stop,
+/// whoever orders it, no step of a press from before it begins.
 async function moveStep(hold) {
-  const begun = await order("api/jog", {line: lineOf(hold.motion)});
+  const begun = await order("api/jog", {line: lineOf(hold.motion)}, await hold.known);
   if (!begun) return false;
-  const keep = () => isHeld(hold) && tell("api/jog/keep").catch(() => {});
+  let unanswered = 0;
+  const keep = async () => {
+    if (!isHeld(hold) || unanswered === MOST_UNANSWERED) return;
+    ++unanswered;
+    await tell("api/jog/keep").catch(() => {});
+    --unanswered;
+  };
   const beat = setInterval(keep, KEEP_MS);
   keep();
   const good = await new Promise(end => { moving = {hold, seq: begun.seq, end}; });
@@ -50,7 +59,8 @@ async function follow(hold) {
 function press(motion, code) {
   if (pressed && !pressed.over && (pressed.down || !pressed.begun)) return;
   const now = performance.now();
-  const hold = {motion, code, heard: now, since: now, down: true, kept: true, begun: false, over: false};
+  const known = dropped.then(() => stops);
+  const hold = {motion, code, known, heard: now, since: now, down: true, kept: true, begun: false, over: false};
   pressed = hold;
   put("cut-short", "");
   before = before.then(() => follow(hold));
@@ -59,7 +69,7 @@ function press(motion, code) {
 /// Ends the motion now.
 function drop() {
   for (const hold of [moving && moving.hold, pressed]) if (hold) hold.down = hold.kept = false;
-  if (moving) stop();
+  if (moving) dropped = stop();
 }
 
 function letGo() {
@@ -80,8 +90,8 @@ export function showJog(state) {
 
 /// A step that is refused is told, and none follows it.
 export function heedLine({level, text}) {
-  if (level !== "info" && pressed) put("cut-short", sentence(text));
   if (level === "info" || !pressed || pressed.over) return;
+  put("cut-short", sentence(text));
   if (pressed.kept) complain({fault: text});
   pressed.down = false;
 }
@@ -98,9 +108,14 @@ function prepareButton(button) {
     button.setPointerCapture(event.pointerId);
     press(button.dataset.jog);
   });
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) button.addEventListener(end, letGo);
+  for (const end of ["pointerup", "lostpointercapture"]) button.addEventListener(end, letGo);
+  button.addEventListener("pointercancel", drop);  // the browser took the touch for another gesture
   button.addEventListener("contextmenu", event => event.preventDefault());  // of a long touch
-  button.addEventListener("click", event => event.detail === 0 && command(lineOf(button.dataset.jog)));
+  button.addEventListener("click", event => {
+    if (event.detail > 0) return;
+    press(button.dataset.jog);  // by keyboard: a tap
+    letGo();
+  });
 }
 
 function changeStep(by) {
@@ -129,24 +144,21 @@ function keyUp(event) {
   else drop();
 }
 
-export function prepareJog() {
-  const panel = byId("jog");
-  panel.querySelectorAll("[data-jog]").forEach(prepareButton);
-  panel.addEventListener("keydown", keyDown);
-  panel.addEventListener("keyup", keyUp);
-  panel.addEventListener("focusin", () => put("keys-on", "Keys move the arm"));
-  panel.addEventListener("focusout", event => {
-    if (panel.contains(event.relatedTarget)) return;
-    put("keys-on", "Click here to use keys");
-    drop();
-  });
-  byId("steps").addEventListener("click", event => event.detail > 0 && panel.focus());  // else arrows change the step
-  byId("teach-form").addEventListener("submit", async event => {
-    event.preventDefault();
-    const id = byId("teach-id").value.trim();
-    if (id && await command(`teach ${id}`)) document.dispatchEvent(new Event("taught"));
-  });
-  addEventListener("blur", drop);
-  addEventListener("pagehide", drop);
-  document.addEventListener("visibilitychange", () => document.hidden && drop());
-}
+const panel = byId("jog");
+panel.querySelectorAll("[data-jog]").forEach(prepareButton);
+panel.addEventListener("keydown", keyDown);
+panel.addEventListener("keyup", keyUp);
+panel.addEventListener("focusin", () => put("keys-on", "Keys move the arm"));
+panel.addEventListener("focusout", event => {
+  if (panel.contains(event.relatedTarget)) return;
+  put("keys-on", "Click here to use keys");
+  drop();
+});
+byId("steps").addEventListener("click", event => event.detail > 0 && panel.focus());  // else arrows change the step
+onSubmit("teach-form", async () => {
+  const id = byId("teach-id").value.trim();
+  if (id && await command(`teach ${id}`)) document.dispatchEvent(new Event("taught"));
+});
+addEventListener("blur", drop);
+addEventListener("pagehide", drop);
+document.addEventListener("visibilitychange", () => document.hidden && drop());

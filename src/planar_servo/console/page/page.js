@@ -1,41 +1,32 @@
-// The page of planar-console: asks for the cell once, then follows its state.
+// The page of planar-console: follows the state of its cell.
 
-import {prepareAccuracy, showAccuracy} from "./accuracy.js";
-import {attempt, gate, mayAct, mayOperate, prepareActions} from "./actions.js";
-import {addLine, clearLines, prepareBar, showBar, showLost} from "./bar.js";
-import {loadCell, prepareCell} from "./cell.js";
+import {showAccuracy} from "./accuracy.js";
+import {attempt, gate, mayAct, mayOperate} from "./actions.js";
+import {addLine, clearLines, showBar, showLost} from "./bar.js";
+import {loadCell} from "./cell.js";
 import {put, show} from "./dom.js";
-import {prepareField, showField, showGround} from "./field.js";
-import {heedLine, loseJog, prepareJog, showJog} from "./jog.js";
-import {ask, follow} from "./link.js";
-import {addPass, loadPath, preparePath} from "./path.js";
-import {preparePicture, showCamera, showPictures} from "./picture.js";
-import {choose, heedMap, preparePlace} from "./place.js";
-import {clearReadings, heedReading, prepareRecording, showRecording} from "./recording.js";
-import {addResult, loadTargets, prepareTargets} from "./targets.js";
+import {showField, showGround} from "./field.js";
+import {heedLine, loseJog, showJog} from "./jog.js";
+import {follow} from "./link.js";
+import {addPass, loadPath} from "./path.js";
+import {losePicture, showCamera, showPictures} from "./picture.js";
+import {heedMap} from "./place.js";
+import {clearReadings, heedReading, showRecording} from "./recording.js";
+import {addResult, loadTargets} from "./targets.js";
 
-let cell, opened = null, endedJob = null;
+let cell, seq = 0, endedJob = null;
 
-function showCell() {
+function begin(ofCell) {
+  cell = ofCell;
   put("cell-name", cell.name);
   document.title = `${cell.name} – planar-console`;
   showCamera(cell);
   showGround(cell);
   heedMap(cell);
   showAccuracy(cell);
-}
-
-/// The console has read the cell's files anew, `count` times by now.
-async function heedFiles(count) {
-  if (count === opened) return;
-  const first = opened === null;
-  opened = count;
-  if (first) return;
-  cell = await attempt(() => ask("api/cell")) || cell;
-  showCell();
-  attempt(loadCell);
-  attempt(loadTargets);  // what was loaded is forgotten with the files
-  attempt(loadPath);
+  clearLines();
+  clearReadings();
+  for (const load of [loadTargets, loadPath, loadCell]) attempt(load);
 }
 
 /// A job that has ended may have made files and a report.
@@ -46,6 +37,8 @@ function heedJob(job) {
 }
 
 function showState(state) {
+  if (state.seq < seq) return location.reload();  // another console answers at this address
+  seq = state.seq;
   document.body.classList.remove("lost");
   showBar(cell, state);
   showPictures(state);
@@ -53,14 +46,8 @@ function showState(state) {
   showJog(state);
   showRecording(cell, state);
   heedJob(state.job);
-  heedFiles(state.opened);
   gate(mayAct(cell, state));
   document.body.classList.toggle("watching", !mayOperate(cell, state));
-}
-
-function clear() {
-  clearLines();
-  clearReadings();
 }
 
 function showLine(line) {
@@ -74,32 +61,11 @@ const showResult = row => (row.target ? addResult : addPass)(row);
 function lose(refusal) {
   document.body.classList.add("lost");
   loseJog();
+  losePicture();
   gate(false);
   showLost(refusal);
 }
 
-async function begin() {
-  show("old-browser", false);
-  show("console", true);
-  cell = await attempt(() => ask("api/cell"));
-  if (!cell) return setTimeout(begin, 2000);
-  prepareActions();
-  prepareBar();
-  preparePicture();
-  prepareField(choose);
-  preparePlace();
-  showCell();
-  prepareJog();
-  prepareTargets();
-  preparePath();
-  prepareCell();
-  prepareRecording();
-  prepareAccuracy();
-  gate(false);
-  follow({state: showState, line: showLine, result: showResult}, clear, lose);
-  attempt(loadTargets);
-  attempt(loadPath);
-  attempt(loadCell);
-}
-
-begin();
+show("old-browser", false);
+show("console", true);
+follow({state: showState, line: showLine, result: showResult}, begin, lose);

@@ -1,7 +1,7 @@
 // A path: written, drawn, followed.
 
 import {order, setReady} from "./actions.js";
-import {byId, fixed, make, minuteOf, offerFile, put, show} from "./dom.js";
+import {byId, fixed, keepText, make, minuteOf, offerFile, offerText, onSubmit, put, show} from "./dom.js";
 import {showPath} from "./field.js";
 import {ask} from "./link.js";
 import {kindOf, stateText} from "./results.js";
@@ -12,7 +12,7 @@ const GUIDES = {arm: "the arm alone", vision: "vision"};
 let job = null;
 
 function take({csv, length_mm, places_mm}) {
-  if (!byId("path-csv").matches(":focus")) byId("path-csv").value = csv || EXAMPLE;
+  offerText("path-csv", csv || EXAMPLE);
   put("path-length", places_mm.length ? `${fixed(length_mm, 1)} mm` : "none yet");
   setReady("follow", places_mm.length > 0);
   showPath(places_mm);
@@ -32,29 +32,27 @@ export function addPass(row) {
 export async function loadPath() {
   const [path, rows] = await Promise.all([ask("api/path"), ask("api/results")]);
   take(path);
-  byId("path-rows").replaceChildren();
-  rows.filter(({guided_by}) => guided_by).forEach(addPass);
+  const passes = rows.filter(({guided_by}) => guided_by);
+  if (passes.length) byId("path-rows").replaceChildren();
+  passes.forEach(addPass);
 }
 
-async function keep(event) {
-  event.preventDefault();
+async function keep() {
   const csv = byId("path-csv").value;
   const path = await order("api/path", {csv: csv.trim() === EXAMPLE.trim() ? "" : csv});
   if (!path) return;
+  keepText("path-csv");
   take(path);
   byId("path-edit").open = false;
 }
 
-function follow(event) {
-  event.preventDefault();
+function follow() {
   order("api/follow", {out: byId("path-name").value, speeds_mm_s: [byId("path-speed").valueAsNumber],
     guided_by: byId("guided-by").value.split(",")});
 }
 
-export function preparePath() {
-  byId("path-name").value = `path_${minuteOf(new Date())}`;
-  setReady("follow", false);
-  byId("follow-form").addEventListener("submit", follow);
-  byId("path-form").addEventListener("submit", keep);
-  offerFile("path-file", "path-csv");
-}
+byId("path-name").value = `path_${minuteOf(new Date())}`;
+setReady("follow", false);
+onSubmit("follow-form", follow);
+onSubmit("path-form", keep);
+offerFile("path-file", "path-csv");

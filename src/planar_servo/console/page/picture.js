@@ -1,29 +1,35 @@
 // The live picture with what is seen in it, the lamps close up, exposure and sharpness.
 
 import {command} from "./actions.js";
-import {byId, draw, fixed, make, numberIn, put, show} from "./dom.js";
+import {byId, draw, fixed, make, numberIn, onSubmit, put, show} from "./dom.js";
 
 const STALE_S = 3;
-let loading = false, shownSeq = null, size = {width_px: 1, height_px: 1};
+let loading = false, size = {width_px: 1, height_px: 1};
+let shown = {seq: 0};  // the picture in view: its number, and when it was taken by the clock of this page
 
-async function load(image, address) {
+/// Returns whether the picture is there; where it is gone, the next one follows.
+function load(image, address) {
   image.src = address;
-  await image.decode().catch(() => {});  // a picture that is gone; the next one follows
+  return image.decode().then(() => true, () => false);
 }
 
 /// Shows the newest picture once the one before is there; none while nobody looks.
-async function showPicture(state) {
-  const {picture, lamps} = state;
-  show("no-picture", shownSeq === null);
-  put("picture-age", picture.seq > 0 && picture.age_s >= STALE_S ? `${fixed(picture.age_s, 0)} s old` : "");
-  byId("frame").classList.toggle("stale", picture.age_s >= STALE_S);
-  if (loading || document.hidden || !picture.seq || picture.seq === shownSeq) return;
+async function showPicture({picture, lamps}) {
+  const age_s = shown.seq ? (performance.now() - shown.taken_ms) / 1000 : 0;
+  show("no-picture", !shown.seq);
+  put("picture-age", age_s >= STALE_S ? `${fixed(age_s, 0)} s old` : "");
+  byId("frame").classList.toggle("stale", age_s >= STALE_S);
+  if (loading || document.hidden || picture.seq === shown.seq) return;
   loading = true;
-  const seq = picture.seq;
-  const all = [load(byId("whole"), `api/picture.jpg?seq=${seq}`)];
-  if (lamps) for (const n of [1, 2]) all.push(load(byId(`lamp-${n}`), `api/lamp/${n}.jpg?seq=${seq}`));
-  await Promise.all(all);
-  shownSeq = seq;
+  const next = {seq: picture.seq, taken_ms: performance.now() - 1000 * picture.age_s};
+  const all = [load(byId("whole"), `api/picture.jpg?seq=${next.seq}`)];
+  if (lamps) for (const n of [1, 2]) all.push(load(byId(`lamp-${n}`), `api/lamp/${n}.jpg?seq=${next.seq}`));
+  if ((await Promise.all(all))[0]) shown = next;
+  loading = false;
+}
+
+/// A picture that was on its way may never come.
+export function losePicture() {
   loading = false;
 }
 
@@ -69,7 +75,6 @@ function showLamps({lamps, sharpness, fixed_lamps}) {
 
 /// Fills the inputs unless somebody is changing them.
 function showExposure(exposure) {
-  const form = byId("exposure-form");
   if (!exposure || "changed" in form.dataset || form.contains(document.activeElement)) return;
   byId("exposure").value = exposure.exposure_us.toFixed(0);
   byId("gain").value = exposure.gain_db.toFixed(1);
@@ -91,14 +96,11 @@ export function showCamera(cell) {
   byId("frame").style.setProperty("--ratio", size.width_px / size.height_px);
 }
 
-export function preparePicture() {
-  byId("brighten").addEventListener("change", event => byId("frame").classList.toggle("bright", event.target.checked));
-  byId("optics").open = !matchMedia("(max-width: 560px)").matches;  // a phone shows picture and jog in one view
-  const form = byId("exposure-form");
-  form.addEventListener("input", () => { form.dataset.changed = ""; });
-  form.addEventListener("submit", async event => {
-    event.preventDefault();
-    const gain = numberIn("gain");
-    if (await command(`exposure ${byId("exposure").value} ${gain === null ? "" : gain}`.trim())) delete form.dataset.changed;
-  });
-}
+byId("brighten").addEventListener("change", event => byId("frame").classList.toggle("bright", event.target.checked));
+byId("optics").open = !matchMedia("(max-width: 560px)").matches;  // a phone shows picture and jog in one view
+const form = byId("exposure-form");
+form.addEventListener("input", () => { form.dataset.changed = ""; });
+onSubmit("exposure-form", async () => {
+  const gain = numberIn("gain");
+  if (await command(`exposure ${byId("exposure").value} ${gain === null ? "" : gain}`.trim())) delete form.dataset.changed;
+});

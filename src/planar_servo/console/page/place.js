@@ -1,11 +1,13 @@
 // A place that somebody chose: whether it can be reached, how well, and going there as a second step.
 
 import {attempt, order, setReady} from "./actions.js";
-import {byId, fixed, numberIn, placeText, put} from "./dom.js";
-import {markPlace} from "./field.js";
+import {byId, fixed, numberIn, onSubmit, placeText, put} from "./dom.js";
+import {markPlace, placeAt} from "./field.js";
 import {ask} from "./link.js";
 
 let hasMap = false, tool = "";
+let asked = 0;  // the number of the newest question
+let examined;   // the place that Go there goes to
 
 const placeOf = () => ({x_mm: numberIn("place-x"), y_mm: numberIn("place-y"), phi_deg: numberIn("place-phi")});
 const known = place => Object.fromEntries(Object.entries(place).filter(([, value]) => value !== null));
@@ -20,18 +22,20 @@ function textOf(place, answer) {
 }
 
 async function examine() {
-  const place = placeOf();
+  const place = placeOf(), mine = ++asked;
   setReady("go", false);
-  if (place.x_mm === null || place.y_mm === null) {
-    put("place", "A place needs x and y in millimetres");
+  if (![place.x_mm, place.y_mm, place.phi_deg ?? 0].every(Number.isFinite)) {
+    put("place", "A place needs x and y in millimetres, and φ in degrees or none");
     return;
   }
   markPlace([place.x_mm, place.y_mm]);
-  const answer = await attempt(() => ask(`api/place?${new URLSearchParams({...known(place), tool})}`));
-  if (!answer) return;
+  const wanted = {...known(place), tool};
+  const answer = await attempt(() => ask(`api/place?${new URLSearchParams(wanted)}`));
+  if (!answer || mine !== asked) return;
   markPlace([place.x_mm, place.y_mm], answer.way_mm);
   put("place", textOf(place, answer));
   byId("place").classList.toggle("warning", !answer.reachable || (hasMap && !answer.in_region));
+  examined = wanted;
   setReady("go", answer.reachable);
 }
 
@@ -48,12 +52,11 @@ export function heedMap(cell) {
   hasMap = cell.map !== null;
 }
 
-export function preparePlace() {
+setReady("go", false);
+byId("field-view").addEventListener("click", event => choose(placeAt(event)));
+onSubmit("place-form", examine);
+byId("place-form").addEventListener("input", () => {
+  ++asked;
   setReady("go", false);
-  byId("place-form").addEventListener("submit", event => {
-    event.preventDefault();
-    examine();
-  });
-  byId("place-form").addEventListener("input", () => setReady("go", false));
-  byId("go").addEventListener("click", () => order("api/go", {...known(placeOf()), tool}));
-}
+});
+byId("go").addEventListener("click", () => order("api/go", examined));

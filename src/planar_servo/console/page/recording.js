@@ -1,19 +1,19 @@
 // Recording a plan: what a person is to do, in large letters, and how far it has come.
 
 import {attempt, mayOperate, order} from "./actions.js";
-import {byId, make, put, sentence, show} from "./dom.js";
+import {byId, make, onSubmit, put, sentence, show} from "./dom.js";
 import {tell} from "./link.js";
 
 // What a question offers beside Enter, in its own words, and the answer.
 const OFFERS = [[/\bs skips\b/, "Skip", "s"], [/\br repeats\b/, "Repeat", "r"], [/\btype k to keep\b/, "Keep", "k"]];
 const TYPED = /\btype x/;  // a reading
 
-let asked = null;
+let asked = null, advised = "";
 
-/// Answers the question that is shown; what is only advice is confirmed.
+/// Answers the question that is shown; what is only advice is confirmed as it is read.
 async function answer(text) {
-  const question = asked;
-  await attempt(() => question ? tell("api/answer", {id: question.id, text}) : tell("api/confirm"));
+  const question = asked, advice = advised;
+  await attempt(() => question ? tell("api/answer", {id: question.id, text}) : tell("api/confirm", {advice}));
   byId("reading").value = "";
 }
 
@@ -28,6 +28,7 @@ function showQuestion(question, advice) {
   show("person", text !== "");
   document.body.classList.toggle("guided", !question && text !== "");
   put("person-text", sentence(text));
+  advised = advice || "";
   if (asked && question && asked.id === question.id) return;
   asked = question;
   show("reading-label", Boolean(question) && TYPED.test(text));
@@ -55,19 +56,13 @@ export function heedReading({text}) {
 
 export const clearReadings = () => byId("monuments").replaceChildren();
 
-export function prepareRecording() {
-  byId("person-form").addEventListener("submit", event => {
-    event.preventDefault();
-    answer(byId("reading").value.trim());
-  });
-  byId("board").addEventListener("change", () => {  // it is one board
-    byId("step-board").value = byId("board").value;
-    byId("step-board").dispatchEvent(new Event("change"));
-  });
-  byId("record-form").addEventListener("submit", event => {
-    event.preventDefault();
-    clearReadings();
-    order("api/record", {plan: byId("plan").value, out: byId("recording-name").value, board: byId("board").value || null,
-      on_bad_reading: byId("bad-reading").value});
-  });
-}
+onSubmit("person-form", () => answer(byId("reading").value.trim()));
+byId("board").addEventListener("change", () => {  // it is one board
+  byId("step-board").value = byId("board").value;
+  byId("step-board").dispatchEvent(new Event("change"));
+});
+onSubmit("record-form", () => {
+  clearReadings();
+  order("api/record", {plan: byId("plan").value, out: byId("recording-name").value, board: byId("board").value || null,
+    on_bad_reading: byId("bad-reading").value});
+});

@@ -1,11 +1,13 @@
 // The table of targets: written, run, resumed.
 
 import {attempt, complain, order, setReady} from "./actions.js";
-import {byId, fixed, make, minuteOf, offerFile, put, show} from "./dom.js";
+import {byId, fixed, keepText, make, minuteOf, offerFile, offerText, onSubmit, put, show} from "./dom.js";
 import {showOnField} from "./field.js";
 import {ask, tell} from "./link.js";
 import {choose} from "./place.js";
 import {kindOf, stateText} from "./results.js";
+
+const SAME_MM = 0.001;
 
 let targets = [], results = new Map(), job = null, whither = "";
 let usual = "";  // the tool of targets that name none
@@ -35,19 +37,22 @@ function showTargets() {
   showOnField(targets, results);
 }
 
-/// Offers these names after the first choice, which is none of them; nothing where there are none.
-function offer(id, names, chosen) {
-  const list = byId(id);
-  list.replaceChildren(list.options[0], ...names.map(name => make("option", {value: name}, name)));
+/// Offers these names after the first choice, which is none of them; nothing where there are none. Where somebody
+/// chooses now, that choice stays, even of one that is gone.
+function offer(id, names, kept = byId(id).value) {
+  const list = byId(id), chosen = byId("edit").open ? list.value : kept;
+  const all = [...new Set([...names, chosen])].filter(Boolean);
+  list.replaceChildren(list.options[0], ...all.map(name => make("option", {value: name}, name)));
   list.value = chosen;
-  show(`${id}-row`, names.length > 0);
+  show(`${id}-row`, all.length > 0);
 }
 
 export async function loadTargets() {
   const [list, table, rows] = await Promise.all([ask("api/targets"), ask("api/table"), ask("api/results")]);
   for (const row of rows) heed(row);
   targets = list;
-  if (!byId("csv").matches(":focus")) byId("csv").value = table.csv;
+  for (const target of targets) if (!isOf(results.get(target.id), target)) results.delete(target.id);
+  offerText("csv", table.csv);
   whither = (table.work && `, on ${table.work}`) + (table.tool && `, with ${table.tool}`);
   usual = table.tool;
   offer("on-work", table.works, table.work);
@@ -55,15 +60,20 @@ export async function loadTargets() {
   showTargets();
 }
 
-/// A row of the last job, which takes the place of all of the job before.
+/// Whether a result is that of a target where it lies now.
+const isOf = (row, {x_mm, y_mm}) => row && Math.hypot(row.x_mm - x_mm, row.y_mm - y_mm) < SAME_MM;
+
+/// A row of the last job, which takes the place of all of the job before. Returns whether it does so now.
 function heed(row) {
-  if (row.job !== job) results.clear();
+  const isFirst = row.job !== job;
+  if (isFirst) results.clear();
   job = row.job;
   if (row.target) results.set(row.target, row);
+  return isFirst;
 }
 
 export function addResult(row) {
-  heed(row);
+  if (heed(row)) return showTargets();
   const i = targets.findIndex(({id}) => id === row.target);
   if (i >= 0) byId("target-rows").children[i].replaceWith(rowOf(targets[i]));
   put("targets-count", countText());
@@ -73,16 +83,15 @@ export function addResult(row) {
 /// A work may have been found since the page was loaded.
 async function refreshChoices() {
   const {works, tools} = await ask("api/table");
-  offer("on-work", works, byId("on-work").value);
-  offer("with-tool", tools, byId("with-tool").value);
+  offer("on-work", works);
+  offer("with-tool", tools);
 }
 
-async function keep(event) {
-  event.preventDefault();
+async function keep() {
   const answer = await order("api/targets",
     {csv: byId("csv").value, work: byId("on-work").value, tool: byId("with-tool").value});
   if (!answer) return;
-  results.clear();
+  keepText("csv");
   await attempt(loadTargets);
   byId("edit").open = false;
 }
@@ -112,16 +121,11 @@ function runAnew() {
   run(false);
 }
 
-export function prepareTargets() {
-  byId("run-name").value = `run_${minuteOf(new Date())}`;
-  byId("run-form").addEventListener("submit", event => {
-    event.preventDefault();
-    run(byId("resume").checked);
-  });
-  byId("run-resume").addEventListener("click", () => run(true));
-  byId("run-anew").addEventListener("click", runAnew);
-  byId("targets-form").addEventListener("submit", keep);
-  offerFile("csv-file", "csv");
-  byId("edit").addEventListener("toggle", () => byId("edit").open && attempt(refreshChoices));
-  document.addEventListener("taught", () => attempt(loadTargets));
-}
+byId("run-name").value = `run_${minuteOf(new Date())}`;
+onSubmit("run-form", () => run(byId("resume").checked));
+byId("run-resume").addEventListener("click", () => run(true));
+byId("run-anew").addEventListener("click", runAnew);
+onSubmit("targets-form", keep);
+offerFile("csv-file", "csv");
+byId("edit").addEventListener("toggle", () => byId("edit").open && attempt(refreshChoices));
+document.addEventListener("taught", () => attempt(loadTargets));
