@@ -74,6 +74,22 @@ TEST_CASE("Inches, steps, rests and feeds are taken as the program sets them") {
   CHECK_THAT(program("G1 X1 Y1\nX2").remarks.at(0), Contains("taken as millimetres"));
 }
 
+TEST_CASE("What others' programs say at their ends and of what holds anyway changes nothing") {
+  const std::string plain = "G0 X300 Y0\nG2 X310 Y10 I0 J10 F600\nG1 X320\n";
+  const double length_m = path_of_program("G21 G90\n" + plain).length_m();
+  for (const char* beginning : {"\xEF\xBB\xBFG21 G90\n", "%\nO1001 (PART)\nG21 G90 G91.1 G61\n",
+                                "G21 G90\nG64 P0.05\nM5\nM9\n"}) {
+    INFO(beginning);
+    CHECK(path_of_program(beginning + plain + "M05\nM9\nM2\n").length_m() == length_m);
+    CHECK(is_gcode(beginning));
+  }
+  CHECK(path_of_program("G21 G90\nG0 X300 Y0\nG2 X310 Y10 I0 J10 K0.000 F600\nG1 X320\n")
+            .length_m() == length_m);
+  // The same feed in inches and millimetres.
+  CHECK(program("G20 G90 F24\nG0 X10 Y1\nG21 F609.6\nG1 X300\n").speed_m_s.value() ==
+        Approx(10.16 * kMillimetre));
+}
+
 TEST_CASE("The ends of a program's motions are targets, named by its line numbers") {
   const auto targets =
       targets_of(program("G21 G90\nN10 G0 X300 Y0\nN20 X310\nX320\nN20 Y5\n"), "p.nc");
@@ -89,6 +105,9 @@ TEST_CASE("What means nothing to a planar arm is refused by its line, all of it 
       {"G1 X5 Z-2", Refused(Cause::kInvalid, "p.nc:3: moves Z")},
       {"M3 S1000", Refused(Cause::kInvalid, "p.nc:3: M3")},
       {"M0", Refused(Cause::kInvalid, "p.nc:3: M0")},
+      {"M5\nG1 X5", Refused(Cause::kInvalid, "p.nc:4: moves after M5")},
+      {"M9\nG3 X10 Y0 I-5", Refused(Cause::kInvalid, "p.nc:4: moves after M5 or M9")},
+      {"G3 X0 Y10 I-10 K1", Refused(Cause::kInvalid, "p.nc:3: K1")},
       {"G28", Refused(Cause::kInvalid, "p.nc:3: G28")},
       {"G1 X#5", Refused(Cause::kInvalid, "p.nc:3: 'X'")},
       {"G1 X1,5", Refused(Cause::kInvalid, "p.nc:3")},
@@ -110,8 +129,8 @@ TEST_CASE("What means nothing to a planar arm is refused by its line, all of it 
                        Refused(Cause::kMissing, "G0 to G3"));
   for (const char* text : {"G21 G91\nG0 X5 Y5\n", "G21\nG2 X5 Y5 I1\n"})
     CHECK_THROWS_MATCHES(program(text), InputError, Refused(Cause::kMissing, "p.nc:2: begins"));
-  for (const char* code : {"p.nc:2: M5", "p.nc:3: G33"})
-    CHECK_THROWS_MATCHES(program("G21 G0 X1 Y1\nM5\nG33\n"), InputError,
+  for (const char* code : {"p.nc:2: M3", "p.nc:3: G33"})
+    CHECK_THROWS_MATCHES(program("G21 G0 X1 Y1\nM3\nG33\n"), InputError,
                          Refused(Cause::kInvalid, code));
   CHECK_THROWS_MATCHES(path_of_program("G21\nG0 X5 Y5\n"), InputError,
                        Refused(Cause::kMissing, "p.nc"));
@@ -236,6 +255,44 @@ TEST_CASE("Points are targets, and only chosen layers are read") {
                        Refused(Cause::kInvalid, "SPLINE on the layer FRAME"));
   CHECK_THROWS_MATCHES(file.read(text, {{"HOLE"}, {}}), InputError,
                        Refused(Cause::kMissing, "'HOLE'"));
+}
+
+TEST_CASE("What a drawing does not show is not gone, unless its layer is asked for") {
+  const DxfFile file;
+  const auto layer = [](const char* name, int color, int flags) {
+    return fmt::format("0\nLAYER\n2\n{}\n70\n{}\n62\n{}\n", name, flags, color);
+  };
+  const std::string text =
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n" + layer("OFF", -7, 0) + layer("FROZEN", 7, 1) +
+      layer("SHOWN", 7, 4) + "0\nENDTAB\n0\nENDSEC\n" +
+      dxf(line_entity(300, 0, 310, 0, "SHOWN") + line_entity(310, 0, 310, 50, "OFF") +
+          line_entity(310, 0, 310, 60, "FROZEN") + line_entity(310, 0, 310, 70, "SHOWN") +
+          "60\n1\n");
+  const Drawing drawing = file.read(text);
+  CHECK(path_of(drawing, 0.0, "").length_m() == Approx(10.0 * kMillimetre));
+  CHECK(drawing.remarks ==
+        std::vector<std::string>{"left out: 1 LINE on the layer FROZEN, which is off or frozen",
+                                 "left out: 1 LINE on the layer OFF, which is off or frozen",
+                                 "left out: 1 invisible LINE"});
+  CHECK(path_of(file.read(text, {{"OFF"}, {}}), 0.0, "").length_m() == Approx(50.0 * kMillimetre));
+}
+
+TEST_CASE("Lines lie where they are drawn, and what is drawn aslant or from below is refused") {
+  const DxfFile file;
+  const Drawing line = file.read(dxf(line_entity(300, 0, 310, 0) + "230\n-1.0\n"));
+  CHECK(is_at(end_of(path_of(line, 0.0, "")), 310.0, 0.0));
+  const std::string circle = "0\nCIRCLE\n8\n0\n10\n300\n20\n0\n40\n10\n210\n0\n220\n1\n230\n0\n";
+  CHECK_THROWS_MATCHES(file.read(dxf(circle)), InputError, Refused(Cause::kInvalid, "aslant"));
+}
+
+TEST_CASE("Only a DXF has layers and a unit to be chosen") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("part.nc", "G90\nG0 X10 Y1\nG1 X12\n");
+  CHECK(read_drawing(path).strokes.size() == 1);
+  CHECK_THROWS_MATCHES(read_drawing(path, {{}, kInch}), InputError,
+                       Refused(Cause::kInvalid, "part.nc: is no DXF"));
+  CHECK_THROWS_MATCHES(read_drawing(path, {{"HOLES"}, {}}), InputError,
+                       Refused(Cause::kInvalid, "part.nc: is no DXF"));
 }
 
 TEST_CASE("A drawing's unit is its header's, and asked for where that has none") {

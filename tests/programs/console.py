@@ -123,8 +123,17 @@ def try_bodies(console):
     for body, says in (({**place, "phi": 90}, "x_mm, y_mm, phi_deg"), ({**place, "y_mm": 1e308}, "10 m"),
                        ({**place, "phi_deg": 1000}, "one turn"), (b'{"x_mm": 1, "x_mm": 2, "y_mm": 1}', "twice")):
         console.refused(400, "POST", "/api/go", body, says=says)
-    check(console.post("/api/stop", b"now!")[0] == 200, "a stop is refused for its body")
+    for kind in ("application/json", "multipart/form-data"):
+        check(console.post("/api/stop", b"now!", Content_Type=kind)[0] == 200, "a stop is refused for its body")
+    stops = console.state()["stops"]
+    late = console.opened(f"POST /api/stop HTTP/1.1\r\nHost: 127.0.0.1:{console.port}\r\n"
+                          f"Authorization: Bearer {console.read}\r\nContent-Length: 9\r\n\r\n")
+    eventually(lambda: console.state()["stops"] > stops, "a stop waits for its body")
+    late.close()
+    for header in ("Content_Encoding", "Transfer_Encoding"):
+        console.refused(415, "POST", "/api/targets", b"0\r\n\r\n", says="encoded", **{header: "gzip"})
     console.refused(400, "POST", "/api/run", {"out": "../run", "resume": False}, says="letters")
+    check(console.state()["operator"] is None, "who was refused keeps the cell")
 
 
 def try_folder(console):

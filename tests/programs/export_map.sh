@@ -9,7 +9,7 @@ made_up_pairs >pairs.csv
 
 export_map() { "$bin/planar-export-map" "$@"; }
 export_map --format grid-csv -o grid.csv map.yaml --json figures.json >exported.txt
-for format in numpy opencv-remap tinshift; do
+for format in numpy opencv-remap; do
   export_map --format $format -o "grid.$format" map.yaml >"$format.txt"
   grep -q "^interpolation .* [0-9]\.[0-9] % of the deviation there at most" "$format.txt" || fail "$(cat "$format.txt")"
 done
@@ -36,7 +36,7 @@ grep -q "^direction *tool at 30.0 deg" out.txt || fail "$(cat out.txt)"
 expect 2 "--format: magic not in" export_map --format magic -o made map.yaml
 expect 2 "map.yaml: is an input of this program" export_map --format numpy -o map.yaml map.yaml
 echo 2,2 >theirs.txt
-expect 2 "theirs.txt: is a file of another program or of a person" export_map --format tinshift -o theirs.txt map.yaml
+expect 2 "theirs.txt: is a file of another program or of a person" export_map --format numpy -o theirs.txt map.yaml
 expect 2 "a step of 200 mm costs up to .* of the map's deviation there; at most 0.1 is allowed" \
   export_map --format numpy --step-mm 200 -o made map.yaml
 expect 2 "a grid of 0.01 mm over its valid region has .* nodes; at most 100000 are written" \
@@ -56,15 +56,17 @@ if ! command -v cct >/dev/null || ! /usr/bin/python3 -c 'import numpy' 2>/dev/nu
 fi
 
 # PROJ compensates places within the valid region as the map does, and refuses others.
+/usr/bin/python3 -B "$repository/examples/python/tinshift_of_map.py" grid.numpy grid.json
+grep -q "$sum" grid.json || fail "grid.json does not say from which map it was made"
 awk -F, '$1 != "x_mm" && !/^#/ && $1 * $1 + $2 * $2 < 400 * 400 { print $1, $2, 0 }' fine.csv >seen.txt
 awk -F, '$1 != "x_mm" && !/^#/ && $1 * $1 + $2 * $2 < 400 * 400 { printf "%.7f %.7f %s\n", $1 - $3, $2 - $4, $5 }' fine.csv >compensated.txt
-cct -d 6 +proj=tinshift "+file=$work/grid.tinshift" seen.txt >cct.txt || fail "cct: $(head -n 3 cct.txt)"
+cct -d 6 +proj=tinshift "+file=$work/grid.json" seen.txt >cct.txt || fail "cct: $(head -n 3 cct.txt)"
 worst=$(paste -d' ' cct.txt compensated.txt | awk '
   { w1 = ($1 - $5) / $7; w2 = ($2 - $6) / $7
     if (w1 < 0) w1 = -w1; if (w2 < 0) w2 = -w2; if (w1 > w) w = w1; if (w2 > w) w = w2 }
   END { print (NR > 1000 ? w : 99) }')
 awk -v w="$worst" 'BEGIN { exit !(w > 0 && w < 0.1) }' || fail "cct errs by $worst of the deviation: $(head -n 3 cct.txt)"
-echo "4000 0 0" | cct +proj=tinshift "+file=$work/grid.tinshift" 2>&1 | grep -q ERROR || fail "cct goes beyond"
+echo "4000 0 0" | cct +proj=tinshift "+file=$work/grid.json" 2>&1 | grep -q ERROR || fail "cct goes beyond"
 
 # NumPy has the values of the table.
 export_map --format numpy --step-mm 7 -o fine.npy map.yaml >out.txt

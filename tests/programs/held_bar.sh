@@ -18,6 +18,7 @@ lay() {
   grep -q -- "$4" said.txt || fail "'$4' was not said: $(cat said.txt served.txt)"
 }
 lay 150 150 0 "the bar is seen with its middle near (25[0-9.]*, 1[45]"
+expect 1 "the bar lies where it lay before" "${record[@]}" </dev/null
 lay -300 100 90 "the bar is seen with its middle near (-[23][0-9.]*, [12][0-9]"
 [ -e bar/bar_01.png ] && [ ! -e bar/bar_02.png ] || fail "taken: $(ls bar)"
 

@@ -41,6 +41,7 @@ for row, (x, y) in zip(rows, ((20, 20), (70, 40))):
     assert 0 < float(row["sigma_target_mm"]) < float(row["uncertainty_mm"]), row
 assert abs(float(rows[0]["phi_deg"])) < 1e-6 and abs(float(rows[1]["phi_deg"]) - 12) < 0.03, rows
 END
+grep -q "name: work.yaml" run/run.yaml || fail "the run does not name its work: $(cat run/run.yaml)"
 "${servo[@]}" --work work.yaml --targets - --out streamed <<<"S,20,20" >answers.txt 2>err.txt
 grep -q '"x_mm":215\.' answers.txt || fail "a target of a stream is not on the work: $(cat answers.txt)"
 printf 'G90 G1 X20 Y20 F300\nG1 X60 Y20\nG2 X60 Y40 I0 J10\n' >part.nc
@@ -119,6 +120,7 @@ status=0
 "${servo[@]}" --work slid.yaml --targets many.csv --out doubted >out.txt 2>err.txt || status=$?
 [ $status -eq 1 ] || fail "a work that slid ended the run with $status"
 grep -q "has moved since it was found" doubted/report.html || fail "the report does not say that the work moved"
+grep -q -- "--resume" err.txt doubted/report.html && fail "a run is to be resumed that would be refused: $(cat err.txt)"
 grep -q "doubted" doubted/results.csv || fail "no target is doubted: $(cat doubted/results.csv)"
 status=0
 "${servo[@]}" --work slid.yaml --path part.nc --out slid_path >out.txt 2>err.txt || status=$?

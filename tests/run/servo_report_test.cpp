@@ -232,11 +232,17 @@ TEST_CASE("The page of a run without a single measured target still has its verd
 
 TEST_CASE("What ended a run early stands in the verdict of its page, with the remedy") {
   const std::vector<TargetResult> results{reached("a", 1e-3, 1e-5)};
-  CHECK_THAT(
-      servo_page("cell.yaml", figures_of(results), results, "b: held: two lamps changed places"),
-      Catch::Contains("verdict bad") &&
-          Catch::Contains("the run was ended at b: held: two lamps changed places") &&
-          Catch::Contains("--resume"));
+  const auto page = [&](const std::string& ended_by, bool work_has_moved) {
+    return servo_page("cell.yaml", figures_of(results), results,
+                      early_end(ended_by, work_has_moved));
+  };
+  CHECK_THAT(page("b: held: two lamps changed places", false),
+             Catch::Contains("verdict bad") &&
+                 Catch::Contains("the run was ended at b: held: two lamps changed places") &&
+                 Catch::Contains("--resume"));
+  // A resumed run would refuse what lies elsewhere now.
+  CHECK_THAT(page("a look at the cell: the work has moved", true),
+             Catch::Contains("the work has moved") && !Catch::Contains("--resume"));
 }
 
 TEST_CASE("Errors share one scale of arrows unless some could not be seen at it") {

@@ -96,6 +96,9 @@ bool is_drawing(const std::filesystem::path& path) {
 
 Drawing read_drawing(const std::filesystem::path& path, const DrawingSettings& settings) {
   if (ending_of(path) == ".dxf") return read_dxf(path, settings);
+  if (!settings.layers.empty() || settings.unit_m)
+    throw InputError({"is no DXF, whose layers and unit could be chosen",
+                      "leave that out; a program says its unit by G20 or G21", path.string()});
   return read_gcode(read_file(path), path.string());
 }
 

@@ -94,7 +94,8 @@ class DxfPieces {
         section = groups[i + 1].text;
       else if (group.code == 0 && group.text == "ENDSEC")
         section.clear();
-      else if (group.code == 0 && section == "ENTITIES")
+      else if (group.code == 0 &&
+               (section == "ENTITIES" || (section == "TABLES" && group.text == "LAYER")))
         entity = Entity{group.text, group.line};
       else if (entity)
         entity->groups.push_back(group);
@@ -112,21 +113,45 @@ class DxfPieces {
   }
 
   void add(const Entity& entity) {
-    constexpr int kLayer = 8, kOnPaper = 67, kUpwards = 230;
+    constexpr int kLayer = 8, kInvisible = 60, kOnPaper = 67;
+    if (entity.kind == "LAYER") return add_layer(entity);
     // The corners of a polyline and their end belong to it, whatever they say.
     if (entity.kind == "VERTEX" || entity.kind == "SEQEND") return add_corner(entity);
     const std::string layer = text_of(entity, kLayer).value_or("0");
     layers_seen.insert(layer);
     if (!layers_.empty() && layers_.count(layer) == 0) return;
-    if (is_lettering(entity.kind) || number_of(entity, kOnPaper).value_or(0.0) != 0.0) {
+    const auto says = [&](int code) { return number_of(entity, code).value_or(0.0) != 0.0; };
+    if (is_lettering(entity.kind) || says(kOnPaper)) {
       ++left_out[entity.kind];
-    } else if (number_of(entity, kUpwards).value_or(1.0) < 0.0) {
-      refuse(entity, fmt::format("a {} is drawn from below", entity.kind),
-             "its extrusion points down: flatten the drawing");
+    } else if (says(kInvisible)) {
+      ++left_out["invisible " + entity.kind];
+    } else if (layers_.empty() && hidden_layers_.count(layer) != 0) {
+      ++left_out[fmt::format("{} on the layer {}, which is off or frozen", entity.kind, layer)];
+    } else if (!is_level(entity)) {
+      refuse(entity, fmt::format("a {} is drawn from below or aslant", entity.kind),
+             "its extrusion does not point up: flatten the drawing");
     } else if (!add_known(entity)) {
       refuse(entity, fmt::format("a {} on the layer {} is not read", entity.kind, layer),
-             "draw it as points, lines, arcs, circles or polylines, or choose other layers");
+             "explode it, draw it as points, lines, arcs, circles or polylines, or choose other "
+             "layers");
     }
+  }
+
+  /// Notes a layer that does not show what is drawn on it.
+  void add_layer(const Entity& entity) {
+    constexpr int kName = 2, kColor = 62, kFrozen = 1;
+    const bool is_off = number_of(entity, kColor).value_or(0.0) < 0.0;
+    if (is_off || (whole(number_of(entity, kFlags)) & kFrozen) != 0)
+      hidden_layers_.insert(text_of(entity, kName).value_or(""));
+  }
+
+  /// Lines and points state places of the drawing whatever their extrusion is; others lie across
+  /// it.
+  bool is_level(const Entity& entity) {
+    constexpr int kUpwards = 230;
+    constexpr double kLevel = 1.0 - 1e-6;
+    return entity.kind == "LINE" || entity.kind == "POINT" ||
+           number_of(entity, kUpwards).value_or(1.0) > kLevel;
   }
 
   /// Returns whether the entity is of a kind that is read.
@@ -253,7 +278,7 @@ class DxfPieces {
   static constexpr int kBulge = 42, kFlags = 70;
 
   std::string file_;
-  std::set<std::string> layers_;
+  std::set<std::string> layers_, hidden_layers_;
   std::optional<Stroke> polyline_;
   bool is_closed_{false};
   double bulge_{0.0};  ///< of the corner added last

@@ -9,6 +9,8 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
@@ -21,6 +23,9 @@ namespace {
 /// The radii of an arc's ends may differ by so much, as in LinuxCNC: programs round their numbers.
 constexpr double kRadii_m = 5e-6, kRadiiShare = 1e-3;
 constexpr double kMinute_s = 60.0;
+/// Feeds that differ by a smaller share are one, rounded in another unit.
+constexpr double kSameFeed = 1e-4;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 /// Returns a line without its comments: what stands in brackets, and behind a semicolon.
 std::string without_comments(const std::string& line) {
@@ -53,9 +58,10 @@ class GcodeProgram {
     const std::vector<Word> words = words_of(code);
     numbers_.clear();
     name_ = fmt::format("line {}", line_);
-    dwells_ = false;
+    dwells_ = blends_ = false;
     for (const Word& word : words) take_word(word);
-    if (numbers_.count('P') != 0 && !dwells_) refuse("has P without G4", "P is a time to wait");
+    if (numbers_.count('P') != 0 && !dwells_ && !blends_)
+      refuse("has P without G4", "P is a time to wait");
     if (dwells_)
       rest();
     else if (numbers_.count('X') + numbers_.count('Y') + numbers_.count('I') + numbers_.count('J') +
@@ -115,7 +121,7 @@ class GcodeProgram {
         refuse(fmt::format("has {} twice", letter), "say it once a line", Cause::kExists);
     } else if (letter == 'Z') {
       refuse("moves Z, and a planar arm has none", "write the program for two axes");
-    } else {
+    } else if (letter != 'O' && !(letter == 'K' && number == 0.0)) {  // O is a program's name
       refuse(fmt::format("{}{:g} means nothing here", letter, number),
              "take it out, or let your program write plain motion");
     }
@@ -137,7 +143,9 @@ class GcodeProgram {
       states_unit_ = true;
     } else if (is({900, 910})) {
       absolute_ = tenths == 900;
-    } else if (!is({170, 400, 490, 540, 800, 940})) {
+    } else if (is({640})) {
+      blends_ = true;
+    } else if (!is({170, 400, 490, 540, 610, 800, 911, 940})) {
       refuse(fmt::format("G{:g} is not known", number),
              "there are G0 to G4, G17, G20, G21, G90 and G91");
     }
@@ -146,6 +154,8 @@ class GcodeProgram {
   void take_m(double number) {
     if (number == 2.0 || number == 30.0)
       ended_ = true;
+    else if (number == 5.0 || number == 9.0)
+      switched_off_ = !stroke_.empty();
     else if (number != 1.0)
       refuse(fmt::format("M{:g} is not known", number),
              number == 0.0 ? "divide the program where a person is to be waited for"
@@ -156,9 +166,8 @@ class GcodeProgram {
     const double feed_m_s = number * unit_m_ / kMinute_s;
     if (!(number > 0.0))
       refuse(fmt::format("F{:g} is no feed", number), "it is in units a minute and positive");
-    else if (feed_m_s_ && *feed_m_s_ != feed_m_s)
-      refuse(fmt::format("the feed changes from {:g} to {:g} mm/s", *feed_m_s_ / kMillimetre,
-                         feed_m_s / kMillimetre),
+    else if (feed_m_s_ && std::abs(*feed_m_s_ - feed_m_s) > kSameFeed * feed_m_s)
+      refuse(fmt::format("the feed changes from {:g} to {:g} mm/s", mm(*feed_m_s_), mm(feed_m_s)),
              "a path has one speed: divide the program, or leave F out", Cause::kContradiction);
     else
       feed_m_s_ = feed_m_s;
@@ -191,6 +200,7 @@ class GcodeProgram {
       return refuse("is straight, but has I, J or R", "take G2 or G3 for an arc",
                     Cause::kContradiction);
     if (!stroke_.empty() && (end - stroke_.back().p).norm() < kSamePoint_m) return;
+    refuse_after_switching();
     stroke_.push_back({"", end});
     add_point(end);
   }
@@ -208,11 +218,20 @@ class GcodeProgram {
         number('R') ? center_by_radius(from, end, *number('R')) : center_by_offset(from, end);
     if (!center) return;
     const Eigen::Vector2d radius = from - *center, last = end - *center;
+    refuse_after_switching();
     const double sense = *motion_ == 3 ? 1.0 : -1.0;  // G3 turns from x to y
     double sweep = std::atan2(cross2d(radius, last), radius.dot(last));
     if (sense * sweep <= 0.0 || (end - from).norm() < kSamePoint_m) sweep += sense * 2.0 * kPi;
     add_arc(stroke_, *center, sweep, {"", end});
     add_point(end);
+  }
+
+  /// M5 and M9 stand at the ends of a program for what it never switches on; between motions they
+  /// mean that something does.
+  void refuse_after_switching() {
+    if (std::exchange(switched_off_, false))
+      refuse("moves after M5 or M9, which switch off what nothing here has switched on",
+             "what switches anything between motions must be left out");
   }
 
   /// Keeps the end of a motion under the program's own name for it.
@@ -261,7 +280,8 @@ class GcodeProgram {
   int line_{0};
   std::string name_;
   std::map<char, double> numbers_;
-  bool dwells_{false}, ended_{false}, absolute_{true}, states_unit_{false};
+  bool dwells_{false}, blends_{false}, ended_{false}, absolute_{true}, states_unit_{false};
+  bool switched_off_{false};  ///< since the last motion
   std::optional<int> motion_;
   double unit_m_{kMillimetre};
   std::optional<double> feed_m_s_;
@@ -274,17 +294,20 @@ class GcodeProgram {
 }  // namespace
 
 bool is_gcode(std::string_view text) {
+  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark)
+    text.remove_prefix(kByteOrderMark.size());
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == text.npos) return false;
   const char first = text[begin], second = begin + 1 < text.size() ? text[begin + 1] : '\0';
   return std::strchr("%(;", first) != nullptr ||
-         (std::strchr("GMNF", std::toupper(static_cast<unsigned char>(first))) != nullptr &&
+         (std::strchr("GMNOF", std::toupper(static_cast<unsigned char>(first))) != nullptr &&
           std::isdigit(static_cast<unsigned char>(second)) != 0);
 }
 
 Drawing read_gcode(const std::string& text, const std::string& source) {
   GcodeProgram program(source);
   std::istringstream lines(text);
+  if (text.rfind(kByteOrderMark, 0) == 0) lines.ignore(kByteOrderMark.size());
   for (std::string line; std::getline(lines, line);) program.take(line);
   return program.finish();
 }

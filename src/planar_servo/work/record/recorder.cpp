@@ -12,7 +12,7 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tables/tracker_table.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
 #include "planar_servo/lamps/lamp_tracker.h"
 #include "planar_servo/loop/servo/motion_guard.h"
@@ -251,7 +251,7 @@ class Recorder {
   Frame with_lamps(Frame frame, const Eigen::Vector2d& p) {
     std::optional<Eigen::Vector2d> middle = middle_of_lamps(frame);
     if (!middle && frame.region_px != full_region()) {
-      spdlog::debug("{}: the lamps are not in the region; taking a full frame", place_);
+      spdlog::debug(place_ + ": the lamps are not in the region; taking a full frame");
       devices_.camera().set_region(full_region());
       frame = grab();
       middle = middle_of_lamps(frame);

@@ -16,7 +16,7 @@
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/hardware/robot/homing.h"
 #include "planar_servo/machine/device_kinds.h"
-#include "planar_servo/machine/judge/reflector_readings.h"
+#include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/report/live_view.h"
 #include "planar_servo/report/report_list.h"
 #include "planar_servo/work/record/recording_state.h"

@@ -53,7 +53,7 @@ PlaceEnd RecordingReadings::read_place(const std::string& id, const TipPose& tip
 
 PlaceEnd RecordingReadings::end_of_bad(const std::string& id, const std::string& fault) {
   constexpr int kAttemptsAtPlace = 3;
-  spdlog::warn("{}: {}", id, fault);
+  spdlog::warn(id + ": " + fault);
   attempts_ = id == bad_id_ ? attempts_ + 1 : 1;
   bad_id_ = id;
   if (request_.on_bad_reading == BadReading::kSkip) return PlaceEnd::kSkip;

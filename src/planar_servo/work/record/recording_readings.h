@@ -6,7 +6,7 @@
 
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/devices/tracker.h"
-#include "planar_servo/machine/judge/reflector_readings.h"
+#include "planar_servo/machine/judge/cell_judge.h"
 #include "planar_servo/work/record/recorder.h"
 #include "planar_servo/work/record/recording_start.h"
 

@@ -10,7 +10,7 @@
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/tracker_table.h"
-#include "planar_servo/machine/judge/reflector_readings.h"
+#include "planar_servo/machine/judge/cell_judge.h"
 
 namespace planar {
 namespace {

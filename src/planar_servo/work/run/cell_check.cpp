@@ -12,8 +12,8 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
-#include "planar_servo/loop/health/arm_check.h"
+#include "planar_servo/geometry/tool/tips.h"
+#include "planar_servo/loop/health/health_check.h"
 #include "planar_servo/loop/vision/see_tool.h"
 #include "planar_servo/work/homing/sight_homing.h"
 
@@ -182,9 +182,9 @@ std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
     if (motor >= 0) theta = ways_.with_motor_turned(theta, motor);
     if (motor >= 0 && theta == before)
       spdlog::warn(
-          "motor {} cannot be turned here by a quarter of a first move: a wrong "
-          "direction, gear or limit of it would not be seen",
-          motor + 1);
+          fmt::format("motor {} cannot be turned here by a quarter of a first move: a wrong "
+                      "direction, gear or limit of it would not be seen",
+                      motor + 1));
     if (const auto reason = go_to(theta)) return {without_size(HealthCause::kNotVisited, *reason)};
     const auto lamps_B = look();
     if (!lamps_B)
@@ -293,8 +293,9 @@ std::vector<HealthFinding> CellCheck::judge_odd_place(const std::vector<HealthPl
     return found;
   }
   revisits.erase(revisits.begin() + static_cast<std::ptrdiff_t>(*odd));
-  spdlog::warn("{}the arm strayed there when it was recorded{}; the place is left out of the check",
-               what, odds > kTenToOne ? "" : ", or the view has changed there");
+  spdlog::warn(what + "the arm strayed there when it was recorded" +
+               (odds > kTenToOne ? "" : ", or the view has changed there") +
+               "; the place is left out of the check");
   return {};
 }
 
@@ -376,7 +377,7 @@ std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<Heal
              : "";
   // The start and one stop for each motor; then the places, the last from the other side as well.
   const std::size_t stops = 4 + (record ? record->places.size() + 1 : 0);
-  spdlog::info("checking the cell: each motor turns a little{}; {}", visits,
+  spdlog::info("checking the cell: each motor turns a little" + visits + "; " +
                about_time(check.expected_s(stops)));
   std::vector<HealthFinding> found = check.first_moves(record);
   if (!found.empty()) return found;
@@ -384,8 +385,9 @@ std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<Heal
 }
 
 std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record) {
-  spdlog::info("checking the cell again: the arm visits {} places of the calibration; {}",
-               record.places.size(), about_time(check.expected_s(record.places.size() + 1)));
+  spdlog::info(
+      fmt::format("checking the cell again: the arm visits {} places of the calibration; {}",
+                  record.places.size(), about_time(check.expected_s(record.places.size() + 1))));
   return check.revisit(record);
 }
 

@@ -9,8 +9,7 @@
 #include <utility>
 
 #include "planar_servo/base/core/text.h"
-#include "planar_servo/geometry/tool/tool_tip.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/loop/servo/motion_guard.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/panel.h"

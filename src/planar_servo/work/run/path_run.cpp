@@ -221,8 +221,8 @@ std::optional<PathResult> PathRun::find_play() {
     spdlog::warn("the play could not be measured at the path's beginning: " + probe.unknown);
     return std::nullopt;
   }
-  spdlog::info("the play of motors 1 and 2 is {:.4f} and {:.4f} deg", play_rad_->x() / kDegree,
-               play_rad_->y() / kDegree);
+  spdlog::info(fmt::format("the play of motors 1 and 2 is {:.4f} and {:.4f} deg",
+                           play_rad_->x() / kDegree, play_rad_->y() / kDegree));
   follower_.set_play(*play_rad_);
   return std::nullopt;
 }
@@ -237,7 +237,8 @@ bool follow_path(PathRun& run, const PathRequest& path,
       if (passed) passed(result);
       if (result.status == ServoStatus::kReached) continue;
       reached = false;
-      spdlog::error("at {:g} mm/s: {}: {}", mm(speed_m_s), name(result.status), result.reason);
+      spdlog::error(
+          fmt::format("at {:g} mm/s: {}: {}", mm(speed_m_s), name(result.status), result.reason));
     }
   return reached;
 }

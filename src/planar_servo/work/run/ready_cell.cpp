@@ -127,7 +127,7 @@ ArmMemory::~ArmMemory() {
   try {
     keep();
   } catch (const std::exception& error) {
-    spdlog::error("what was learned of the arm is lost: {}", error.what());
+    spdlog::error(std::string("what was learned of the arm is lost: ") + error.what());
   }
 }
 
@@ -269,7 +269,7 @@ bool ReadyCell::was_examined_s_ago(double seconds) const {
 
 void ReadyCell::recover_drives(const std::string& id, const std::string& reason) {
   robot_.throw_if_stopped();
-  spdlog::warn("{}: {}; the arm stands and waits", id, reason);
+  spdlog::warn(id + ": " + reason + "; the arm stands and waits");
   try {
     robot_.recover(kDrivePatience_s);
     home();
@@ -278,7 +278,7 @@ void ReadyCell::recover_drives(const std::string& id, const std::string& reason)
     both.fault = reason + "; " + both.fault;
     throw DriveError(both);
   }
-  spdlog::info("{}: the drives are ready again; resuming", id);
+  spdlog::info(id + ": the drives are ready again; resuming");
 }
 
 bool ReadyCell::wait_for_camera(const std::string& id, const std::string& reason,

@@ -205,21 +205,26 @@ void log_failures(const ServoRun& run) {
     if (result.status == ServoStatus::kDoubted)
       ++doubted;
     else if (result.status != ServoStatus::kReached)
-      spdlog::warn("{}: {}: {}", result.id, name(result.status), result.reason);
+      spdlog::warn(fmt::format("{}: {}: {}", result.id, name(result.status), result.reason));
   }
   if (doubted > 0)
     spdlog::warn(
-        "targets doubted: {}, which were reached after the last good check of the cell; --resume "
-        "visits them again",
-        doubted);
+        fmt::format("targets doubted: {}, which were reached after the last good check{}", doubted,
+                    run.work_has_moved() ? "" : " of the cell; --resume visits them again"));
   if (run.ended_by())
-    spdlog::error(
-        "no further target was tried, because the cell is in doubt since {}; mend it, then "
-        "continue with --resume",
-        *run.ended_by());
+    spdlog::error("no further target was tried: " +
+                  early_end(*run.ended_by(), run.work_has_moved()).text());
 }
 
 }  // namespace
+
+Refusal early_end(const std::string& ended_by, bool work_has_moved) {
+  return {"the run was ended at " + ended_by,
+          work_has_moved ? ""
+                         : "mend the cell (planar-check-cell says what has changed), then continue "
+                           "with --resume",
+          "", Cause::kContradiction};
+}
 
 std::string ServoFigures::judge() const {
   return name_in(kJudgeKinds, tracker ? JudgeKind::kTracker : JudgeKind::kTruth);
@@ -325,6 +330,7 @@ void add_used(YamlWriter& yaml, const ServoRequest& request, const ReadyCell& ce
   std::vector<std::filesystem::path> inputs{settings.file, settings.camera_model,
                                             settings.workplane, settings.tool};
   if (!wanted.empty()) inputs.push_back(wanted);
+  if (request.works) inputs.push_back(request.works->file);
   if (uses_error_map(*request.cell)) inputs.push_back(settings.error_map);
   if (settings.arm_found) inputs.push_back(*settings.arm_found);
   yaml.add_inputs(input_records(inputs));
@@ -342,8 +348,10 @@ void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigu
                const std::filesystem::path& targets) {
   if (!run.has_new_results() && std::filesystem::exists(request.folder.path / "run.yaml")) return;
   write_file(request.folder.path / "run.yaml", run_text(request, run, figures, targets));
+  std::optional<Refusal> end;
+  if (run.ended_by()) end = early_end(*run.ended_by(), run.work_has_moved());
   write_file(request.folder.path / "report.html",
-             servo_page(request.cell->settings.file, figures, run.results(), run.ended_by()));
+             servo_page(request.cell->settings.file, figures, run.results(), end));
 }
 
 ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,
@@ -416,14 +424,10 @@ TextTable target_table(const ServoFigures& figures, const std::vector<TargetResu
   return table;
 }
 
-Verdict servo_verdict(const ServoFigures& figures, const std::optional<std::string>& ended_by) {
+Verdict servo_verdict(const ServoFigures& figures, const std::optional<Refusal>& end) {
   Verdict verdict{reached_words(figures), run_faults(figures, "the table below"),
                   landing_words(figures)};
-  if (ended_by)
-    verdict.faults.push_back(
-        {"the run was ended at " + *ended_by,
-         "mend the cell (planar-check-cell says what has changed), then continue with --resume", "",
-         Cause::kContradiction});
+  if (end) verdict.faults.push_back(*end);
   if (verdict.found.empty())
     verdict.found = "No end point was measured";
   else if (!figures.is_judged())
@@ -438,9 +442,9 @@ Verdict servo_verdict(const ServoFigures& figures, const std::optional<std::stri
 
 std::string servo_page(const std::filesystem::path& cell_file, const ServoFigures& figures,
                        const std::vector<TargetResult>& results,
-                       const std::optional<std::string>& ended_by) {
+                       const std::optional<Refusal>& end) {
   HtmlPage page("Positioning with " + cell_file.filename().string());
-  page.add_verdict(servo_verdict(figures, ended_by));
+  page.add_verdict(servo_verdict(figures, end));
   page.add_style(".words :is(th,td):last-child{text-align:left}");
   add_error_plots(page, figures, results);
   page.add_heading("Other figures");

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/base/io/yaml_writer.h"
@@ -88,8 +89,9 @@ std::vector<Refusal> run_faults(const ServoFigures& figures, const std::string& 
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
                         TargetError error);
 
-/// Adds what a run used to its run.yaml: the files of its cell and what it moves to or along, if
-/// that is a file, with their hashes, what was accepted of them, and the settings of its camera.
+/// Adds what a run used to its run.yaml: the files of its cell, its works, and what it moves to or
+/// along, if that is a file, with their hashes, what was accepted of them, and the settings of its
+/// camera.
 void add_used(YamlWriter& yaml, const ServoRequest& request, const ReadyCell& cell,
               const std::filesystem::path& wanted);
 
@@ -103,10 +105,14 @@ void write_run(const ServoRequest& request, const ServoRun& run, const ServoFigu
 ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,
                           const FrameCounts& frames, const std::filesystem::path& targets);
 
-/// Returns the text of report.html of one run, ended early by `ended_by` unless that is empty: the
+/// Says why a run was ended early, and how it is resumed. On a work that has moved it cannot be:
+/// its results are of other places.
+Refusal early_end(const std::string& ended_by, bool work_has_moved);
+
+/// Returns the text of report.html of one run, ended early for `end` unless that is empty: the
 /// verdict and who judged, other figures, the errors as arrows, and a row for each target.
 std::string servo_page(const std::filesystem::path& cell_file, const ServoFigures& figures,
                        const std::vector<TargetResult>& results,
-                       const std::optional<std::string>& ended_by = {});
+                       const std::optional<Refusal>& end = {});
 
 }  // namespace planar

@@ -125,8 +125,8 @@ ServoResult ServoRun::attempt(const TargetRow& target, TargetScorer& scorer) {
   const TipPose pose = end_point_pose(target, cell_.settings().tool_orientation);
   const auto observer = [&](const ServoStep& step) {
     scorer.observe(step);
-    spdlog::debug("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm", target.id,
-                  step.iteration, mm(step.miss_m()), mm(step.stop_below_m));
+    spdlog::debug(fmt::format("{}, step {}: {:.4f} mm from the target, content below {:.4f} mm",
+                              target.id, step.iteration, mm(step.miss_m()), mm(step.stop_below_m)));
     if (!observer_) return;
     const TipPose& wanted = step.target;
     const LampTipSensor& sensor = cell_.sensor();
@@ -181,6 +181,7 @@ std::optional<std::string> ServoRun::finding(bool at_end) {
   if (unwell && !unwell->empty()) return unwell;
   if (!at_end && !unwell && !works_.is_due()) return std::nullopt;
   std::string moved = works_.examine([this] { return cell_.stand_aside(); });
+  work_has_moved_ = !moved.empty();
   if (moved.empty()) {
     work_well_until_ = results_.size();
     return unwell;

@@ -91,6 +91,8 @@ class ServoRun {
   /// Returns why no further target may be tried: the cell itself is in doubt. Empty where doubts
   /// are accepted.
   const std::optional<std::string>& ended_by() const { return ended_by_; }
+  /// Returns whether that is because a work has moved: what was reached on it lies elsewhere now.
+  bool work_has_moved() const { return work_has_moved_; }
   /// Throws InputError when there is a result of this target, but of another place or direction.
   void require_same(const TargetRow& target) const;
   /// Returns true when there is a result of this target.
@@ -117,6 +119,7 @@ class ServoRun {
   std::shared_ptr<Judge> judge_;  ///< null where nobody judges
   bool keep_going_;
   std::optional<std::string> ended_by_;
+  bool work_has_moved_{false};
   ReadyCell cell_;
   WorkWatch works_;
   std::optional<RunFiles> files_;  ///< none where the request names no folder

@@ -1,6 +1,7 @@
 #include "planar_servo/work/workpiece/bar_places.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/offline/grey_image.h"
 #include "planar_servo/work/workpiece/work_watch.h"
 #include "planar_servo/workpiece/find_work.h"
 
@@ -28,15 +30,45 @@ std::string words_of(const BarStance& stance) {
                      stance.turn / kDegree);
 }
 
-std::vector<BarStance> stances_in(const std::vector<Frame>& frames,
-                                  const std::vector<Fiducial>& bar,
+std::vector<BarStance> stances_in(const Frame& frame, const std::vector<Fiducial>& bar,
                                   const VisionCalibration& vision) {
   std::vector<BarStance> stances;
-  for (const BarSight& seen : see_bars(frames, vision, bar)) {
+  for (const BarSight& seen : see_bars({frame}, vision, bar)) {
     const Eigen::Vector2d along = seen.p_B[1] - seen.p_B[0];
     stances.push_back({0.5 * (seen.p_B[0] + seen.p_B[1]), std::atan2(along.y(), along.x())});
   }
   return stances;
+}
+
+/// Returns the stances in pictures that were taken before; those without a bar have none.
+std::vector<BarStance> stances_so_far(const fs::path& folder, const std::vector<Fiducial>& bar,
+                                      const VisionCalibration& vision) {
+  std::vector<BarStance> taken;
+  for (const fs::path& picture : bar_pictures(folder)) {
+    const cv::Mat image = read_grey_image(picture);
+    if (image.empty()) continue;
+    try {
+      const auto stances = stances_in({image, {{}, image.size()}}, bar, vision);
+      taken.insert(taken.end(), stances.begin(), stances.end());
+    } catch (const WorkError& error) {
+      spdlog::warn(error.refusal().at(picture.string()).text());
+    }
+  }
+  return taken;
+}
+
+/// Throws WorkError where every bar has its marks on where they lay before: it tells nothing new.
+void require_elsewhere(const std::vector<BarStance>& now, const std::vector<BarStance>& taken,
+                       const std::vector<Fiducial>& bar) {
+  const double length = (bar[1].p_W - bar[0].p_W).norm();
+  const auto is_known = [&](const BarStance& stance) {
+    return std::any_of(taken.begin(), taken.end(), [&](const BarStance& other) {
+      return distance(stance, other, length) < bar[0].size;
+    });
+  };
+  if (std::all_of(now.begin(), now.end(), is_known))
+    throw WorkError({"the bar lies where it lay before, " + words_of(now.front()),
+                     "lay it elsewhere", "", Cause::kInsufficient});
 }
 
 }  // namespace
@@ -81,7 +113,7 @@ std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionC
                                  const std::function<bool()>& stop) {
   const double length = (bar[1].p_W - bar[0].p_W).norm();
   const std::vector<BarStance> stances = bar_stances(workspace.radius_max_m, length, wanted);
-  std::vector<BarStance> taken;
+  std::vector<BarStance> taken = stances_so_far(folder, bar, vision);
   std::size_t there = bar_pictures(folder).size(), number = 0;
   const auto picture = [&] { return folder / fmt::format("bar_{:02}.png", number); };
   while (there < wanted && !stop()) {
@@ -90,13 +122,15 @@ std::vector<fs::path> record_bar(const std::vector<Fiducial>& bar, const VisionC
         words_of(next_stance(stances, taken, length)));
     if (person.is_attended() && person.ask(question) == "q") break;
     try {
-      const std::vector<Frame> frames = whole_frames(camera, 1, std::nullopt);
-      for (const BarStance& stance : stances_in(frames, bar, vision)) {
+      const Frame frame = whole_frames(camera, 1, std::nullopt).front();
+      const std::vector<BarStance> stances_now = stances_in(frame, bar, vision);
+      require_elsewhere(stances_now, taken, bar);
+      for (const BarStance& stance : stances_now) {
         taken.push_back(stance);
         person.say("the bar is seen with " + words_of(stance));
       }
       while (fs::exists(picture())) ++number;
-      write_picture(picture(), frames.front().image);
+      write_picture(picture(), frame.image);
       ++there;
     } catch (const WorkError& error) {
       if (!person.is_attended()) throw;

@@ -37,8 +37,8 @@ std::vector<std::filesystem::path> bar_pictures(const std::filesystem::path& fol
 
 /// Takes pictures of a bar, place by place, guiding the person who lays it, until there are as many
 /// as wanted or the person ends it; those that the folder has count. Unattended, it takes one. Each
-/// is looked at: the bar must be seen in it. Returns all pictures of the folder. Throws WorkError
-/// without a picture, and unattended without a bar.
+/// is looked at: the bar must be seen in it, and lie elsewhere than before. Returns all pictures of
+/// the folder. Throws WorkError without a picture, and unattended without a bar in a new place.
 std::vector<std::filesystem::path> record_bar(const std::vector<Fiducial>& bar,
                                               const VisionCalibration& vision,
                                               const Workspace& workspace, std::size_t wanted,

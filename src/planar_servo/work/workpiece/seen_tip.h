@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "planar_servo/base/devices/frame_source.h"
-#include "planar_servo/geometry/tool/tool_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/loop/vision/see_tool.h"
 #include "planar_servo/workpiece/fiducials.h"
 
