@@ -14,7 +14,8 @@ target_compile_options(planar_options INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288;--param=ggc-min-expand=200>)
 target_include_directories(planar_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
 
-# These need 150 to 250 further libraries, such as GDAL, and so take up to 0.15 s of a program's start.
+# These need further libraries, Cairo 11, the others 110 to 220, such as GDAL, and so take up to 0.15 s of a program's
+# start.
 # planar_light() keeps them away from programs and tests that do not call them.
 set(weighty visp_robot visp_vision opencv_imgcodecs PkgConfig::CAIRO)
 

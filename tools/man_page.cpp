@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cctype>
 #include <map>
 #include <sstream>
@@ -48,58 +48,6 @@ std::string named(std::string sentence) {
   return sentence;
 }
 
-/// Returns each alternative of a synopsis in one line; alternatives are indented by seven blanks,
-/// their other lines by more.
-std::vector<std::string> calls_of(const std::string& synopsis) {
-  constexpr std::size_t kIndent = 7;
-  std::vector<std::string> calls;
-  std::istringstream in(synopsis);
-  for (std::string line; std::getline(in, line);) {
-    const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
-    if (calls.empty() || begin == kIndent)
-      calls.push_back(line.substr(begin));
-    else
-      calls.back() += " " + line.substr(begin);
-  }
-  return calls;
-}
-
-/// Returns a call whose first word is bold and which is not broken within brackets.
-std::string call_text(const std::string& call) {
-  const std::size_t end = std::min(call.find(' '), call.size());
-  std::string rest;
-  int depth = 0;
-  for (const char letter : call.substr(end)) {
-    depth += letter == '[' ? 1 : letter == ']' ? -1 : 0;
-    rest += letter == ' ' && depth > 0 ? std::string("\\ ") : plain(std::string(1, letter));
-  }
-  return fmt::format(".HP\n{}{}\n", bold(call.substr(0, end)), rest);
-}
-
-std::string synopsis_text(const std::string& synopsis) {
-  std::string text = ".nh\n.ad l\n";
-  for (const std::string& call : calls_of(synopsis)) text += call_text(call);
-  return text + ".ad b\n.hy\n";
-}
-
-std::string argument_text(const Argument& argument) {
-  std::vector<std::string> names;
-  for (const std::string& name : argument.names) names.push_back(bold(name));
-  std::string head = fmt::format("{}", fmt::join(names, ", "));
-  if (!argument.value.empty())
-    head += fmt::format("{}\\fI{}\\fR", head.empty() ? "" : " ", plain(argument.value));
-  std::string text = ".TP\n" + head + "\n" + plain(argument.text) + "\n";
-  if (!argument.rule.empty()) text += "(" + plain(argument.rule) + ")\n";
-  return text;
-}
-
-std::string arguments_text(const Usage& usage) {
-  std::string text;
-  for (const Argument& place : usage.places) text += argument_text(place);
-  for (const Argument& option : usage.options) text += argument_text(option);
-  return text;
-}
-
 std::string as_it_stands(const std::string& lines) {
   std::istringstream in(lines);
   std::string text = ".nf\n";
@@ -107,48 +55,57 @@ std::string as_it_stands(const std::string& lines) {
   return text + ".fi\n";
 }
 
+/// Returns a call with its lines as they stand below each other behind "Usage: ".
+std::string synopsis_text(const std::string& synopsis) {
+  return as_it_stands("       " + synopsis);
+}
+
 std::string sample_text(const std::string& sample) {
   return sample.empty() ? "" : "A sample of the output:\n.PP\n" + as_it_stands(sample);
 }
 
-std::string command_text(const ProgramText& text, const Usage& command) {
-  std::string page = ".SS " + plain(command.name) + "\n" + plain(command.sentence) + "\n";
-  for (const CommandText& known : text.commands)
-    if (known.name == command.name)
-      page += synopsis_text(known.synopsis) + arguments_text(command) + ".PP\n" +
-              sample_text(known.sample);
-  return page;
+std::string entry_text(const std::string& name, const std::string& rules, const std::string& text) {
+  return ".TP\n" + bold(name) + plain(rules) + "\n" + plain(text) + "\n";
 }
 
-std::string commands_text(const ProgramText& text, const Usage& program) {
-  if (program.commands.empty()) return "";
-  std::string page = ".SH COMMANDS\n";
-  for (const Usage& command : program.commands)
-    page += command.passes_on || command.options.empty()
-                ? fmt::format(".TP\n{}\n{}\n", bold(command.name), plain(command.sentence))
-                : command_text(text, command);
-  return page;
+std::string with_blanks(const std::string& names) {
+  return CLI::detail::join(CLI::detail::split(names, ','), ", ");
 }
 
-/// Names the programs before and after this one in the order of the work, and all of them in
-/// planar(1), which names each.
+/// Returns the arguments without names, the options, and those of which one must be given.
+std::string arguments_text(const CLI::App& app) {
+  const CLI::Formatter help;
+  std::string text;
+  for (const bool is_place : {true, false})
+    for (const CLI::Option* option : app.get_options())
+      if (!option->get_group().empty() && option->nonpositional() != is_place)
+        text += entry_text(with_blanks(help.make_option_name(option, is_place)),
+                           help.make_option_opts(option), option->get_description());
+  for (const CLI::App* group : app.get_subcommands({}))
+    if (group->get_name().empty())
+      text += ".PP\nExactly one of these is required:\n" + arguments_text(*group);
+  return text;
+}
+
+std::string commands_text(const ProgramText& text, const CLI::App& program) {
+  std::string page;
+  for (const CLI::App* command : program.get_subcommands({}))
+    if (!command->get_name().empty())
+      page += entry_text(command->get_name(), "", command->get_description());
+  for (const CommandText& command : text.commands)
+    page += ".SS " + plain(command.name) + "\n" + synopsis_text(command.synopsis) +
+            arguments_text(*program.get_subcommand(command.name)) + ".PP\n" +
+            sample_text(command.sample);
+  return page.empty() ? "" : ".SH COMMANDS\n" + page;
+}
+
+/// Names all programs in the page of the one that runs them, and that one in theirs.
 std::string see_also(const std::string& program) {
-  std::vector<std::string> names;
-  const auto* const end = std::end(kCommands);
-  const auto* const own = std::find_if(std::begin(kCommands), end, [&](const Command& command) {
-    return program == std::string(kProgramPrefix) + command.name;
-  });
-  if (own == end) {
-    for (const Command& command : kCommands) names.emplace_back(command.name);
-  } else {
-    if (own != std::begin(kCommands)) names.emplace_back((own - 1)->name);
-    if (own + 1 != end) names.emplace_back((own + 1)->name);
-  }
   std::string text = ".SH SEE ALSO\n";
-  if (own != end) text += ".BR planar (1),\n";
-  for (const std::string& name : names)
-    text += fmt::format(".BR {} (1),\n", plain(kProgramPrefix + name));
-  return text + ".I /usr/share/doc/planar\\-servo/doc/\n";
+  if (program != kLauncher.name) return text + ".BR planar (1),\n";
+  for (const Command& command : kCommands)
+    text += fmt::format(".BR {} (1),\n", plain(std::string(kProgramPrefix) + command.name));
+  return text;
 }
 
 std::string upper(std::string text) {
@@ -158,21 +115,21 @@ std::string upper(std::string text) {
 
 }  // namespace
 
-std::string man_page(const ProgramText& text, const Usage& program, const std::string& version) {
+std::string man_page(const ProgramText& text, const CLI::App& program, const std::string& version) {
   std::string page = fmt::format(
       ".\\\" {} --man-page wrote it.\n.TH {} 1 \"\" \"planar\\-servo {}\" \"User Commands\"\n"
       ".SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}.SH DESCRIPTION\n{}\n",
-      program.name, plain(upper(program.name)), version, plain(program.name),
-      plain(named(program.sentence)), synopsis_text(text.synopsis), plain(program.sentence));
-  page += commands_text(text, program);
-  page += ".SH OPTIONS\n" + arguments_text(program);
-  if (!program.footer.empty()) page += ".SH NOTES\n" + as_it_stands(program.footer);
+      text.name, plain(upper(text.name)), version, plain(text.name),
+      plain(named(program.get_description())), synopsis_text(text.synopsis),
+      plain(program.get_description()));
+  page += commands_text(text, program) + ".SH OPTIONS\n" + arguments_text(program);
+  if (!program.get_footer().empty()) page += ".SH NOTES\n" + as_it_stands(program.get_footer());
   page += kExitStatus;
-  if (program.name == kLauncher.name)
+  if (text.name == kLauncher.name)
     page += ".PP\nAfter a command, the status is that of its program.\n";
   if (text.commands.empty() && !text.sample.empty())
     page += ".SH EXAMPLE\n" + sample_text(text.sample);
-  return page + see_also(program.name);
+  return page + see_also(text.name) + ".I /usr/share/doc/planar\\-servo/doc/\n";
 }
 
 }  // namespace planar

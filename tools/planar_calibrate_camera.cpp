@@ -1,5 +1,3 @@
-#include <regex>
-
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/camera_file.h"
@@ -29,27 +27,20 @@ struct Options {
   std::string grid;
   std::string model{"plumb_bob_k1"};
   std::filesystem::path points;
-  std::string image_size;
+  std::vector<int> image_size;  ///< width and height; empty where it is not known
   std::filesystem::path output;
   std::string report;
   std::vector<std::filesystem::path> images;
 };
-
-cv::Size parse_size(const std::string& text) {
-  if (text.empty()) return {};
-  static const std::regex form(R"((\d{1,5})x(\d{1,5}))");
-  std::smatch match;
-  if (!std::regex_match(text, match, form))
-    throw InputError("--image-size '" + text + "' is not WIDTHxHEIGHT in pixels");
-  return {std::stoi(match[1]), std::stoi(match[2])};
-}
 
 BoardViews read_views(const Options& options) {
   const Board board = parse_board(options.grid);
   if (options.points.empty() == options.images.empty())
     throw InputError("give either images (or a recording) or --points FILE");
   if (options.points.empty()) return find_board_views(options.images, board);
-  return board_views_from_points(options.points, board, parse_size(options.image_size));
+  const std::vector<int>& size = options.image_size;
+  return board_views_from_points(options.points, board,
+                                 size.empty() ? cv::Size() : cv::Size(size[0], size[1]));
 }
 
 Outcome calibrate(const Options& options) {
@@ -83,6 +74,10 @@ void add_options(CLI::App& app, Options& options) {
   add_value(app, "--image-size", options.image_size, "WIDTHxHEIGHT",
             "the size of the images behind --points; without it the points are taken to lie "
             "about the middle")
+      ->delimiter('x')
+      ->expected(2)
+      ->allow_extra_args(false)
+      ->check(within(1.0, 99999.0))
       ->needs(points);
   add_required(app, "-o,--out", options.output, "camera.yaml",
                "the camera file to write: .yaml, .xml for ViSP or .yml for OpenCV");

@@ -97,24 +97,26 @@ class Crew {
 };
 
 struct Options {
-  std::filesystem::path cell, out;
+  Options() { request.seed = 1; }
+
+  std::filesystem::path cell;
+  ExperimentRequest request;
   std::string grid{"circles:11x11:50mm"};
-  std::uint64_t seed{1};
-  int seeds{0}, unattended{0}, lays{1};
+  int seeds{0};
   std::optional<int> jobs, train, loop_only;
   std::optional<double> board_thickness_mm;
-  std::string like{"paper"}, display{"none"};
-  bool predict{false}, accept_step{false}, accept_map{false};
+  DrawTruth like{draw_truth};
+  bool predict{false};
   HomingOptions homing;
 };
 
 void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
-  add_required(app, "--out", options.out, "DIR",
+  add_required(app, "--out", options.request.out, "DIR",
                "folder for the recording, each chain's files and the report; what the same "
                "command left there unfinished is continued");
   add_default(app, "--grid", options.grid, "BOARD", "the calibration board");
-  app.add_option("--seed", options.seed, "draws the training and test positions")
+  app.add_option("--seed", options.request.seed, "draws the training and test positions")
       ->capture_default_str();
   add_value(app, "--train", options.train, "N",
             "tracker readings that our calibration takes, sweeps included; without the option "
@@ -126,10 +128,10 @@ void add_options(CLI::App& app, Options& options) {
             "many test positions in all, without the places of tables 1 to 6; without the "
             "option the paper's 25 targets and all its circles")
       ->check(CLI::Range(1, 1000));
-  add_value(app, "--unattended", options.unattended, "M",
+  add_value(app, "--unattended", options.request.size.unattended_poses, "M",
             "places that only the camera watches, which tell arm and camera apart")
       ->check(CLI::Range(0, 100000));
-  add_default(app, "--lays", options.lays, "L",
+  add_default(app, "--lays", options.request.size.lays, "L",
               "views of the board laid on the plane: the first in the middle, the others "
               "anywhere in view and turned")
       ->check(CLI::Range(1, 100));
@@ -142,7 +144,7 @@ void add_options(CLI::App& app, Options& options) {
                 "run on N virtual cells drawn from the seeds --seed, --seed + 1, ...; each "
                 "has its row in DIR/rows.jsonl as soon as it is done")
           ->check(CLI::Range(1, 10000));
-  add_choice(app, "--like", options.like, names_of(kCellKinds),
+  add_choice(app, "--like", options.like, kCellKinds,
              "the kind of cells that --seeds draws, as planar-virtual-cell draw knows them")
       ->needs(seeds);
   add_value(app, "--jobs", options.jobs, "J",
@@ -150,55 +152,46 @@ void add_options(CLI::App& app, Options& options) {
             "and under mpirun its ranks")
       ->check(CLI::Range(1, 1000))
       ->needs(seeds);
-  app.add_flag("--accept-step", options.accept_step,
+  app.add_flag("--accept-step", options.request.accept_step,
                "calibrate from the recording although something seems to have moved while it was "
                "made, which would cost more than 0.05 mm at the end point");
-  app.add_flag("--accept-map", options.accept_map, kAcceptMap);
+  app.add_flag("--accept-map", options.request.accept_map, kAcceptMap);
   app.add_flag("--predict", options.predict,
                "predict the true error from the recording in DIR alone; nothing moves")
       ->excludes(seeds);
   for (CLI::Option* homing : add_homing_options(app, options.homing)) homing->excludes(seeds);
   add_choice(
-      app, "--display", options.display, names_of(kDisplayPolicies),
+      app, "--display", options.request.display, kDisplayPolicies,
       "auto: draw a map of what is recorded, and what a real cell's camera sees of the board, "
       "into DIR/recording/view.png; none");
 }
 
 Outcome run_many(const ExperimentRequest& request, const Options& options) {
   constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::uint32_t>::max();
-  if (options.seed > kLargestSeed - static_cast<std::uint64_t>(options.seeds - 1))
+  if (request.seed > kLargestSeed - static_cast<std::uint64_t>(options.seeds - 1))
     throw InputError(
         {fmt::format("the last of {} seeds would be beyond {}", options.seeds, kLargestSeed),
-         "begin lower", fmt::format("--seed {}", options.seed)});
+         "begin lower", fmt::format("--seed {}", request.seed)});
   const Crew crew(options.jobs);
-  const auto rows = run_campaign(request, {static_cast<std::uint32_t>(options.seed), options.seeds},
-                                 value_named(kCellKinds, options.like).value());
+  const auto rows = run_campaign(request, {static_cast<std::uint32_t>(request.seed), options.seeds},
+                                 options.like);
   if (!crew.leads()) return {};
   const nlohmann::json figures = campaign_json(rows);
-  write_file(options.out / "report.html", campaign_page(rows, options.cell.string()));
-  write_file(options.out / "figures.json", with_format_key("figures", figures.dump(2)));
-  say("{}report: {}\n", campaign_text(rows), (options.out / "report.html").string());
+  write_file(request.out / "report.html", campaign_page(rows, options.cell.string()));
+  write_file(request.out / "figures.json", with_format_key("figures", figures.dump(2)));
+  say("{}report: {}\n", campaign_text(rows), (request.out / "report.html").string());
   return {figures};
 }
 
-ExperimentSize size_of(const Options& options) {
-  ExperimentSize size;
-  if (options.train.value_or(0) > 0) size = with_readings(size, *options.train);
-  if (options.loop_only) size = with_loop_only(size, *options.loop_only);
-  size.unattended_poses = options.unattended;
-  size.lays = options.lays;
-  return size;
-}
-
 ExperimentRequest request_of(const Options& options) {
-  ExperimentRequest request{read_cell(options.cell), parse_board(options.grid), options.seed,
-                            options.out, size_of(options)};
+  ExperimentRequest request = options.request;
+  request.cell = read_cell(options.cell);
+  request.board = parse_board(options.grid);
+  if (options.train.value_or(0) > 0) request.size = with_readings(request.size, *options.train);
+  if (options.loop_only) request.size = with_loop_only(request.size, *options.loop_only);
   request.uses_tracker = options.train != 0;
-  request.display = value_named(kDisplayPolicies, options.display).value();
   request.may_home = may_home(options.homing);
   request.stop = interrupted;
-  request.accept_step = options.accept_step;
-  request.accept_map = options.accept_map;
   if (options.board_thickness_mm) request.dots_height = *options.board_thickness_mm * kMillimetre;
   if (!request.uses_tracker && !request.dots_height)
     throw InputError(Refusal{"--train 0 takes the scale from the laid board",
@@ -218,7 +211,7 @@ Outcome run(const Options& options) {
   const auto devices = open_cell(request.cell);
   const ExperimentReport report = run_experiment(request, *devices);
   const std::filesystem::path page =
-      write_experiment_report(report, options.cell.string(), options.out);
+      write_experiment_report(report, options.cell.string(), request.out);
   say("{}report: {}\n", experiment_text(report), page.string());
   return {experiment_list(report).json()};
 }

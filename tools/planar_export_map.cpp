@@ -9,8 +9,8 @@ namespace {
 
 const ProgramText kText{
     "planar-export-map",
-    "planar-export-map --format grid-csv|numpy|opencv-remap|tinshift [--phi-deg PHI]\n"
-    "                         [--step-mm S] [--cell cell.yaml] -o FILE map.yaml",
+    "planar-export-map --format grid-csv|numpy|opencv-remap [--phi-deg PHI] [--step-mm S]\n"
+    "                         [--cell cell.yaml] -o FILE map.yaml",
     R"(map                 gaussian_rbf
 format              grid-csv
 grid                154 x 152 nodes, 7.8 mm apart, 16038 valid

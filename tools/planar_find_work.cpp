@@ -31,7 +31,8 @@ struct Options {
   std::vector<fs::path> images;
   std::vector<double> near;
   double within_mm{20.0}, drawing_sigma_mm{0.02}, exposure_ms{0.0};
-  std::string map{"rigid"}, report;
+  WorkMap map{WorkMap::kRigid};
+  std::string report;
   int frames{5};
   bool all{false}, no_error_map{false}, accept_stale{false};
 };
@@ -50,7 +51,7 @@ void add_options(CLI::App& app, Options& options) {
   add_default(app, "--within", options.within_mm, "MM", "how far from there it may be")
       ->needs(near)
       ->check(CLI::PositiveNumber);
-  add_choice(app, "--map", options.map, names_of(kWorkMaps),
+  add_choice(app, "--map", options.map, kWorkMaps,
              "the most the drawing may have changed: a similarity allows a shrunk print; two marks "
              "never give more than rigid");
   add_default(app, "--drawing-sigma-mm", options.drawing_sigma_mm, "S",
@@ -75,7 +76,7 @@ void add_options(CLI::App& app, Options& options) {
 
 WorkSettings settings_of(const Options& options) {
   WorkSettings settings;
-  settings.allowed = value_named(kWorkMaps, options.map).value();
+  settings.allowed = options.map;
   settings.drawing_sigma = options.drawing_sigma_mm * kMillimetre;
   settings.all = options.all;
   if (!options.near.empty())

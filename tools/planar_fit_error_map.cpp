@@ -44,8 +44,8 @@ auto                  0.0097     0.0148  (0.0111 to 0.0197))"};
 
 struct Options {
   std::string method{"auto"}, report;
-  std::filesystem::path output;
-  std::filesystem::path pairs, cell, lays, arm_out, bar, marks;
+  LampFieldFiles files;
+  std::filesystem::path cell;
   double bar_sigma_mm{0.005}, marks_sigma_mm{0.02};
   std::vector<std::filesystem::path> images;
 };
@@ -65,15 +65,6 @@ Fitted fit_and_compare(const std::filesystem::path& file, const MapMethodChoice&
   return {std::move(report), doubt_of_shared_error(pairs.problem.samples), std::move(comparison)};
 }
 
-LampFieldFiles files_of(const Options& options) {
-  LampFieldFiles files{options.pairs, options.lays, options.output, options.arm_out};
-  files.bar = options.bar;
-  files.marks = options.marks;
-  files.bar_sigma = options.bar_sigma_mm * kMillimetre;
-  files.marks_sigma = options.marks_sigma_mm * kMillimetre;
-  return files;
-}
-
 /// Says what speaks against the map that was written.
 void warn_of(const std::optional<Refusal>& objection, const std::filesystem::path& map) {
   if (objection)
@@ -83,7 +74,9 @@ void warn_of(const std::optional<Refusal>& objection, const std::filesystem::pat
 
 /// Learns the error at the lamps together with the arm.
 Outcome fit_with_cell(const Options& options, const std::optional<std::filesystem::path>& page) {
-  LampFieldFiles files = files_of(options);
+  LampFieldFiles files = options.files;
+  files.bar_sigma = options.bar_sigma_mm * kMillimetre;
+  files.marks_sigma = options.marks_sigma_mm * kMillimetre;
   const CellSettings cell = read_cell(options.cell);
   for (const std::filesystem::path& image : options.images)
     files.pictures.emplace_back([image, &cell] { return saved_frames({image}, cell); });
@@ -98,32 +91,33 @@ Outcome fit_with_cell(const Options& options, const std::optional<std::filesyste
   bar.reset();
   const double fit_seconds = clock.now_s() - begin_s;
   write_lamp_field(files, fit, cell, kText.name);
-  warn_of(objection(fit.quality()), options.output);
+  warn_of(objection(fit.quality()), files.map);
   ReportList list = lamp_field_list(fit);
   list.unprinted("fit_seconds", fit_seconds);
   say("{}", list.text());
-  if (page) write_page(*page, map_page(view_of(fit, list), options.output));
+  if (page) write_page(*page, map_page(view_of(fit, list), files.map));
   return {list.json()};
 }
 
 Outcome fit(const Options& options) {
   std::vector<std::filesystem::path> inputs;
-  for (const MadeFile& input : files_of(options).inputs()) inputs.push_back(input.path);
-  require_outputs({{options.output, "map"}, {options.arm_out, "arm"}}, inputs);
-  const auto page = page_for(options.report, options.output);
-  if ((options.bar.empty() && options.marks.empty()) != options.images.empty())
+  const LampFieldFiles& files = options.files;
+  for (const MadeFile& input : files.inputs()) inputs.push_back(input.path);
+  require_outputs({{files.map, "map"}, {files.arm, "arm"}}, inputs);
+  const auto page = page_for(options.report, files.map);
+  if ((files.bar.empty() && files.marks.empty()) != options.images.empty())
     throw InputError(Refusal{"--bar and --marks need pictures, and --image one of them",
                              "give whole pictures that show them, such as planar-record --bar "
                              "takes"});
   if (!options.cell.empty()) return fit_with_cell(options, page);
   const MapMethodChoice choice = parse_map_method(options.method);
-  const auto [report, doubt, comparison] = fit_and_compare(options.pairs, choice);
-  write_file(options.output, map_text(report.result, options.pairs, kText.name));
+  const auto [report, doubt, comparison] = fit_and_compare(files.pairs, choice);
+  write_file(files.map, map_text(report.result, files.pairs, kText.name));
   if (doubt) spdlog::warn(doubt->text());
-  warn_of(objection(report.result.quality()), options.output);
+  warn_of(objection(report.result.quality()), files.map);
   const ReportList list = map_fit_list(report, comparison);
   say("{}", list.text());
-  if (page) write_page(*page, map_page(view_of(report, list), options.output));
+  if (page) write_page(*page, map_page(view_of(report, list), files.map));
   return {list.json()};
 }
 
@@ -137,12 +131,12 @@ void add_options(CLI::App& app, Options& options) {
                 "the cell: learn the error at the lamps together with its arm, from readings "
                 "and from poses without one")
           ->excludes(method);
-  add_value(app, "--lays", options.lays, "lays.csv",
+  add_value(app, "--lays", options.files.lays, "lays.csv",
             "dots of a board laid on the plane, by planar-pair-tracker --lays-out: they give "
             "the field's shape and, with a known pitch, its scale")
       ->needs(cell);
   CLI::Option* bar =
-      add_value(app, "--bar", options.bar, "bar.csv",
+      add_value(app, "--bar", options.files.bar, "bar.csv",
                 "the two marks of a bar of certified length, as work.csv has them: its "
                 "pictures give the scale")
           ->needs(cell);
@@ -151,7 +145,7 @@ void add_options(CLI::App& app, Options& options) {
       ->needs(bar)
       ->check(CLI::PositiveNumber);
   CLI::Option* marks =
-      add_value(app, "--marks", options.marks, "marks.csv",
+      add_value(app, "--marks", options.files.marks, "marks.csv",
                 "marks of the base at their places in its frame, as work.csv has them: they "
                 "give datum and turn")
           ->needs(cell);
@@ -161,10 +155,10 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::PositiveNumber);
   add_value(app, "--image", options.images, "FILE",
             "whole pictures of the bar and of the base's marks");
-  add_value(app, "--arm-out", options.arm_out, "arm.yaml", "the arm that was found")->needs(cell);
+  add_value(app, "--arm-out", options.files.arm, "arm.yaml", "the arm that was found")->needs(cell);
   add_report_option(app, options.report);
-  add_required(app, "-o,--out", options.output, "map.yaml", "the map to write");
-  add_required(app, "pairs", options.pairs, "pairs.csv", "the pairs");
+  add_required(app, "-o,--out", options.files.map, "map.yaml", "the map to write");
+  add_required(app, "pairs", options.files.pairs, "pairs.csv", "the pairs");
 }
 
 }  // namespace

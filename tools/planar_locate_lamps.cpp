@@ -27,8 +27,9 @@ const ProgramText kText{
 struct Options {
   fs::path cell, out;
   std::vector<fs::path> inputs;
-  std::string method;  ///< empty: the cell's lamps.method, or auto without a cell
-  std::string start, report;
+  std::string method;         ///< empty: the cell's lamps.method, or auto without a cell
+  std::vector<double> start;  ///< a pixel; empty where none is given
+  std::string report;
   int lamps{2};
 };
 
@@ -42,21 +43,15 @@ void add_options(CLI::App& app, Options& options) {
                  "how a lamp's centre is measured; by default the cell's lamps.method or auto; "
                  "fast suits even lamps only, canny-kasa is the paper's way")
       ->check(CLI::IsMember(names_of(kCenterMethods)));
-  add_value(app, "--start", options.start, "U,V", "pixel of the disc in the first image");
+  add_value(app, "--start", options.start, "U,V", "pixel of the disc in the first image")
+      ->delimiter(',')
+      ->expected(2)
+      ->allow_extra_args(false)
+      ->check(within(0.0, 1e5));
   add_required(app, "-o,--out", options.out, "lamps.csv", "the table to write");
   add_report_option(app, options.report);
   add_required(app, "images", options.inputs, "RECORDING|IMAGE",
                "a recording's folder, or images in their order");
-}
-
-std::optional<Eigen::Vector2d> start_pixel(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  Eigen::Vector2d start;
-  const std::vector<std::string> fields = CLI::detail::split(text, ',');
-  if (fields.size() != 2 || !CLI::detail::lexical_cast(fields[0], start.x()) ||
-      !CLI::detail::lexical_cast(fields[1], start.y()) || !start.allFinite())
-    throw InputError({"--start is '" + text + "'", "two numbers U,V are needed"});
-  return start;
 }
 
 /// Checks that all inputs exist. The parser cannot do it: it would take the value of a misspelt
@@ -126,8 +121,10 @@ Outcome locate(const Options& options) {
   auto [request, origins] = read_job(options);
   std::optional<ProgressBar> bar("locating");
   request.progress = [&](std::size_t done, std::size_t all) { bar->show(done, all); };
+  std::optional<Eigen::Vector2d> start;
+  if (!options.start.empty()) start.emplace(options.start[0], options.start[1]);
   const LocateReport report =
-      options.lamps == 1 ? follow_disc(request, start_pixel(options.start)) : locate_lamps(request);
+      options.lamps == 1 ? follow_disc(request, start) : locate_lamps(request);
   bar.reset();
   write_file(options.out, lamps_text(report.rows, lamp_remarks(origins, report.reference_lamps)));
   Outcome outcome = told(locate_list(report));

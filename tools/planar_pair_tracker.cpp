@@ -29,9 +29,11 @@ rejected            train_17: vision and tracker differ by 4.641 mm; the limit i
 raw error           train: 39 pairs, mean 0.079 mm, rms 0.093 mm, max 0.227 mm)"};
 
 struct Options {
-  std::filesystem::path cell, lamps, recording, tracker, workplane_out, tool_out, health_out,
-      lays_out, pairs_out;
-  std::string workplane_from{"pairs"}, grid, pair_by{"id"}, columns, unit{"mm"}, report;
+  std::filesystem::path cell, lamps, recording, tracker, health_out, lays_out;
+  PairFiles out;
+  WorkplaneSource source{WorkplaneSource::kPairs};
+  double unit{kMillimetre};  ///< of the tracker's table, metres
+  std::string grid, pair_by{"id"}, columns, report;
   char separator{','};
   bool decimal_comma{false}, accept_step{false};
   double board_thickness_mm{0.0};
@@ -41,7 +43,7 @@ void add_options(CLI::App& app, Options& options) {
   add_required(app, "--cell", options.cell, "cell.yaml", "the cell");
   add_required(app, "--lamps", options.lamps, "lamps.csv", "made by planar-locate-lamps");
   add_required(app, "--recording", options.recording, "DIR", "folder made by planar-record");
-  add_choice(app, "--workplane-from", options.workplane_from, names_of(kWorkplaneSources),
+  add_choice(app, "--workplane-from", options.source, kWorkplaneSources,
              "the source of the plane's height and tilt");
   auto* grid =
       add_value(app, "--grid", options.grid, "BOARD",
@@ -62,7 +64,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--tracker-columns", options.columns,
                  "names of the columns in the tracker's table, or their numbers from 1 on: "
                  "x=X,y=Y,z=Z,id=NAME or id=1,x=2,y=3,z=4");
-  add_choice(app, "--tracker-unit", options.unit, names_of(kTrackerUnits),
+  add_choice(app, "--tracker-unit", options.unit, kTrackerUnits,
              "the unit of x, y and z in the tracker's table");
   app.add_option("--separator", options.separator,
                  "what separates the columns in the tracker's table; ' ' for blanks and tabs")
@@ -72,14 +74,14 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--accept-step", options.accept_step,
                "write the pairs although something seems to have moved between them, which would "
                "cost more than 0.05 mm at the end point");
-  add_required(app, "--workplane-out", options.workplane_out, "workplane.yaml",
+  add_required(app, "--workplane-out", options.out.workplane, "workplane.yaml",
                "the workplane to write");
-  add_required(app, "--tool-out", options.tool_out, "tool.yaml", "the tool's offsets to write");
+  add_required(app, "--tool-out", options.out.tool, "tool.yaml", "the tool's offsets to write");
   add_value(app, "--health-out", options.health_out, "health.yaml",
             "health.yaml to write: places and measures by which planar-check-cell and "
             "planar-servo see later what has changed");
   add_report_option(app, options.report);
-  add_required(app, "-o,--out", options.pairs_out, "pairs.csv", "the pairs to write");
+  add_required(app, "-o,--out", options.out.pairs, "pairs.csv", "the pairs to write");
 }
 
 RecordedTables tables_of(const Options& options) {
@@ -89,21 +91,17 @@ RecordedTables tables_of(const Options& options) {
 
 void check_outputs(const Options& options, const CellSettings& cell) {
   const RecordedTables tables = tables_of(options);
-  require_outputs({{options.workplane_out, "workplane"},
-                   {options.tool_out, "tool"},
-                   {options.pairs_out, "pairs"},
+  require_outputs({{options.out.workplane, "workplane"},
+                   {options.out.tool, "tool"},
+                   {options.out.pairs, "pairs"},
                    {options.health_out, "health"},
                    {options.lays_out, "lays"}},
                   {options.cell, cell.camera_model, tables.lamps, tables.frames, tables.tracker});
 }
 
-WorkplaneSource source_of(const Options& options) {
-  return value_named(kWorkplaneSources, options.workplane_from).value();
-}
-
 /// Returns the board that was laid on the plane, where one is needed.
 std::optional<Board> board_of(const Options& options) {
-  const bool gives_plane = source_of(options) == WorkplaneSource::kBoard;
+  const bool gives_plane = options.source == WorkplaneSource::kBoard;
   if (!gives_plane && options.lays_out.empty()) return std::nullopt;
   if (options.grid.empty())
     throw InputError("--workplane-from grid needs --grid circles:COLSxROWS:PITCHmm");
@@ -131,18 +129,14 @@ PairTrackerRequest read_request(const Options& options) {
     request.tracker = read_tracker(
         tables_of(options).tracker,
         {{options.separator, options.decimal_comma, renamed_tracker_columns(options.columns)},
-         value_named(kTrackerUnits, options.unit).value()},
+         options.unit},
         request.by == PairBy::kTime);
   request.accept_step = options.accept_step;
   request.dots_height = options.board_thickness_mm * kMillimetre;
-  if (source_of(options) == WorkplaneSource::kBoard)
+  if (options.source == WorkplaneSource::kBoard)
     request.boards_on_plane =
         boards_on_plane(options.recording, request.frames, request.camera, *board);
   return request;
-}
-
-PairFiles files_of(const Options& options) {
-  return {options.workplane_out, options.tool_out, options.pairs_out};
 }
 
 /// Names the errors of the arm that the recording shows, and keeps the present state of the cell.
@@ -156,8 +150,8 @@ void look_at_cell(const Options& options, const PairTrackerRequest& request,
   for (const HealthFinding& finding : arm_faults(request.cell, vision, seen))
     spdlog::warn(finding.text());
   if (!options.health_out.empty())
-    write_health_file(options.health_out, request.cell, files_of(options),
-                      health_of(request.cell, seen), kText.name);
+    write_health_file(options.health_out, request.cell, options.out, health_of(request.cell, seen),
+                      kText.name);
 }
 
 /// Writes where the boards' dots are seen on the plane, and returns what is said of it.
@@ -168,24 +162,24 @@ std::string write_lays(const Options& options, const PairTrackerRequest& request
   for (const Refusal& doubt :
        doubts_of_lays(lays, fit.X_WC.translation().z() - request.dots_height))
     spdlog::warn(doubt.text());
-  write_lays_file(options.lays_out, request.cell, files_of(options), tables_of(options), lays);
+  write_lays_file(options.lays_out, request.cell, options.out, tables_of(options), lays);
   return fmt::format("{:<20}{} views of the board on the plane, {} dots\n", "lays", boards.size(),
                      lays.size());
 }
 
 Outcome pair(const Options& options) {
-  const auto page = page_for(options.report, options.pairs_out);
+  const auto page = page_for(options.report, options.out.pairs);
   const PairTrackerRequest request = read_request(options);
   std::vector<LaidBoard> boards = request.boards_on_plane;
   if (boards.empty() && !options.lays_out.empty())
     boards = boards_on_plane(options.recording, request.frames, request.camera,
                              board_of(options).value());
   const PairTrackerReport report = pair_tracker(request);
-  write_pair_files(files_of(options), request.cell, tables_of(options), report.workplane,
-                   source_of(options), report.pairs, kText.name);
+  write_pair_files(options.out, request.cell, tables_of(options), report.workplane, options.source,
+                   report.pairs, kText.name);
   look_at_cell(options, request, report);
   Outcome outcome = told(pair_tracker_list(report));
-  if (page) write_page(*page, pair_page(request, report, options.pairs_out));
+  if (page) write_page(*page, pair_page(request, report, options.out.pairs));
   if (!options.lays_out.empty()) say("{}", write_lays(options, request, boards, report.workplane));
   return outcome;
 }

@@ -1,4 +1,3 @@
-#include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -35,14 +34,7 @@ Outcome propose(const Options& options) {
   }
   const ProposedPlan plan = propose_plan(cell, options.plan, pairs);
   write_file(options.output, plan_text(plan.rows));
-  say("{}", proposal_text(plan));
-  Outcome outcome{{{"rows", plan.rows.size()}}};
-  if (plan.readings > 0)
-    outcome.figures.update({{"expected_before_mm", mm(plan.before)},
-                            {"expected_after_mm", mm(plan.after)},
-                            {"enough", plan.enough},
-                            {"worth_reading", plan.worth_reading()}});
-  return outcome;
+  return told(proposal_list(plan));
 }
 
 void add_options(CLI::App& app, Options& options) {

@@ -30,8 +30,6 @@ struct Options {
   std::size_t bar_places{kBarPlaces};
   RecordRequest request;
   std::string grid;  ///< empty: none
-  std::string display{"none"};
-  std::string on_bad_reading{"repeat"};
   HomingOptions homing;
 };
 
@@ -47,7 +45,7 @@ void add_options(CLI::App& app, Options& options) {
       "the board that a person shows to a real cell's camera: circles or chessboard, such "
       "as circles:11x11:50mm; ? for a pitch that is not known");
   CLI::Option* display = add_choice(
-      app, "--display", options.display, names_of(kDisplayPolicies),
+      app, "--display", options.request.display, kDisplayPolicies,
       "auto: draw a map of what is done and left, and what the camera sees of the board, into "
       "RECORDING/view.png; none");
   CLI::Option* bar =
@@ -58,7 +56,7 @@ void add_options(CLI::App& app, Options& options) {
   add_default(app, "--bar-places", options.bar_places, "N", "how many places of the bar")
       ->needs(bar)
       ->check(within(1, 99));
-  add_choice(app, "--on-bad-reading", options.on_bad_reading, names_of(kBadReadings),
+  add_choice(app, "--on-bad-reading", options.request.on_bad_reading, kBadReadings,
              "what happens to a place without a good tracker reading: it is taken "
              "again up to twice, left out, or the recording stops");
 }
@@ -89,9 +87,7 @@ Outcome run(const Options& options) {
   request.cell = read_cell(options.cell);
   request.plan = read_plan(options.plan, request.cell.tool_orientation);
   request.stop = interrupted;
-  request.on_bad_reading = value_named(kBadReadings, options.on_bad_reading).value();
   if (!options.grid.empty()) request.board = parse_board(options.grid, BoardUse::kShape);
-  request.display = value_named(kDisplayPolicies, options.display).value();
   request.may_home = may_home(options.homing);
   heed_interrupts();
   const auto devices = open_cell(request.cell);

@@ -55,7 +55,7 @@ struct Options {
   std::string drawing_unit, tool;
   fs::path report;                  ///< of a check or dry run; empty for none
   std::vector<double> speeds_mm_s;  ///< empty: the drawing's, or else the usual one
-  std::string display{"none"};
+  DisplayPolicy display{DisplayPolicy::kNone};
   std::string center;  ///< empty: the cell's lamps.method
   bool no_error_map{false}, no_health{false}, dry_run{false}, check{false}, judged{false};
   HomingOptions homing;
@@ -137,7 +137,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--resume", options.request.folder.resume, "continue the run in DIR")
       ->needs(out)
       ->excludes("--path");
-  add_choice(app, "--display", options.display, names_of(kDisplayPolicies),
+  add_choice(app, "--display", options.display, kDisplayPolicies,
              "auto: draw every step into DIR/view.png; none")
       ->excludes("--path");
   auto* dry = app.add_flag("--dry-run", options.dry_run,
@@ -384,8 +384,7 @@ Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCe
   heed_interrupts();
   const auto devices = open_cell(cell->settings);
   if (options.judged) request.judge = judge_by_tracker(request, *devices);
-  ServoDisplay display(value_named(kDisplayPolicies, options.display).value(),
-                       options.request.folder.path / "view.png");
+  ServoDisplay display(options.display, options.request.folder.path / "view.png");
   ServoRun run(request, *devices, [&](const ServoSight& sight) { display.show(sight); });
   const bool good_input = move(run, options, tools, targets);
   return report(request, options, run, devices->camera().counts(), good_input);

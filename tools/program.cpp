@@ -197,14 +197,12 @@ volatile std::sig_atomic_t interrupts = 0;
 void add_printers(CLI::App& app, const ProgramText& text) {
   const auto print = [](const std::string& what) { throw CLI::CallForVersion(what, 0); };
   app.add_option_function<std::string>(
-         "--completion",
-         [&app, print](const std::string&) { print(completion_script(usage_of(app))); },
+         "--completion", [&app, print](const std::string&) { print(completion_script(app)); },
          "print a script by which this shell completes options, words and files")
       ->type_name("SHELL")
       ->check(CLI::IsMember({"bash"}));
-  app.add_flag_callback(
-         "--man-page",
-         [&app, text, print] { print(man_page(text, usage_of(app), PLANAR_VERSION)); })
+  app.add_flag_callback("--man-page",
+                        [&app, text, print] { print(man_page(text, app, PLANAR_VERSION)); })
       ->group("");
 }
 

@@ -85,6 +85,15 @@ CLI::Option* add_required(CLI::App& app, const std::string& name, Value& value,
 /// Adds one that is one of these words, by default what `value` is now.
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
                         const std::vector<std::string>& words, const std::string& text);
+/// Adds one that is a value of this table, by default what `value` is now.
+template <typename Value, std::size_t kSize>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const Named<Value> (&table)[kSize], const std::string& text) {
+  const auto take = [&](const std::string& word) { value = value_named(table, word).value(); };
+  return app.add_option_function<std::string>(name, take, text)
+      ->check(CLI::IsMember(names_of(table)))
+      ->default_str(name_in(table, value));
+}
 
 /// Returns a check that an option's numbers are within these bounds. CLI::Range lets nan pass.
 CLI::Validator within(double least, double most);

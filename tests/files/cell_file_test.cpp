@@ -5,6 +5,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/hardware/cameras/aravis_kind.h"
 #include "planar_servo/hardware/drives/drive_kinds.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -59,7 +60,7 @@ TEST_CASE("A camera of source aravis has an address or a serial number, and sett
   CHECK(gige.id.empty());
   CHECK(gige.exposure_s == Approx(2.5e-3));
   CHECK(gige.gain_db == 6.0);
-  CHECK(gige.pixel_format == "Mono10p");
+  CHECK(gige.pixel_format == PixelFormat::kMono10p);
   CHECK(gige.trigger == CameraTrigger::kSoftware);
   CHECK(gige.packet_size == 9000);
   const AravisSettings usb = aravis_settings(
@@ -77,8 +78,8 @@ TEST_CASE("Settings that no camera has are refused in the cell file") {
   const auto file =
       folder.write("cell.yaml", with_aravis_camera("exposure_us: 0, gain_db: 0, pixel_format: "
                                                    "RGB8, trigger: often, packet_size: 70000,"));
-  for (const char* key :
-       {"camera.exposure_us", "camera.pixel_format", "camera.trigger", "camera.packet_size"})
+  for (const char* key : {"camera.exposure_us", "camera.pixel_format", "'RGB8'", "Mono12Packed",
+                          "camera.trigger", "camera.packet_size"})
     CHECK_THROWS_MATCHES(read_cell(file), InputError, Refused(Cause::kInvalid, key));
   CHECK_THROWS_MATCHES(read_with("source: virtual,", "source: virtual, trigger: software,"),
                        InputError, Refused(Cause::kInvalid, "'camera.trigger'"));
@@ -220,8 +221,8 @@ TEST_CASE("A cell may state its tracker's systematic error") {
 
 TEST_CASE("A file that is not made yet is named with the program that makes it") {
   for (const char* name : {"/absent/camera.yaml: ", "planar-calibrate-camera"})
-    CHECK_THROWS_MATCHES(require_made("/absent/camera.yaml", "planar-calibrate-camera"), InputError,
-                         Refused(Cause::kMissing, name));
+    CHECK_THROWS_MATCHES(require_belonging(missing_files({{Role::kCamera, "/absent/camera.yaml"}})),
+                         InputError, Refused(Cause::kMissing, name));
 }
 
 }  // namespace

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/files/tables/grid_exports.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "support/refused.h"
 #include "support/temporary_folder.h"
@@ -120,17 +118,6 @@ TEST_CASE("OpenCV's file holds the pixel that is seen at each true one, deviatio
   CHECK(seen[1] == Approx(1.0 + 0.030 / 10.0));
   CHECK(sigma.at<float>(1, 2) == Approx(0.006f));
   CHECK(cv::countNonZero(valid) == 5);
-}
-
-TEST_CASE("PROJ's triangles are those whose corners are all valid, wound alike") {
-  const auto file = nlohmann::json::parse(grid_text(GridFormat::kTinshift, small_grid(), kRemarks));
-  CHECK(file["file_type"] == "triangulation_file");
-  CHECK(file["vertices"].size() == 5);
-  CHECK(file["triangles"].size() == 2);
-  CHECK(file["vertices"][4][0] == Approx(0.0));
-  CHECK(file["vertices"][4][3] == Approx(30.0 - 0.030));
-  CHECK(file["vertices"][4][4] == Approx(0.005));
-  CHECK(file["triangles"][1] == nlohmann::json({0, 4, 3}));
 }
 
 TEST_CASE("Each format is recognised as ours, however long its file, and others are not") {

@@ -174,9 +174,14 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       result.sigma_judged_m = random.optional_number();
       result.not_judged = random.text();
       result.believed = random.optional_point();
+      result.phi_d = random.optional_number();
+      result.sigma_target_m = std::abs(random.number());
       return result;
     };
-    check_table<TargetResult>(draw, lines(results_header, result_line), read_results);
+    check_table<TargetResult>(draw,
+                              lines(
+                                  +[] { return results_header(); }, result_line),
+                              read_results);
   }
 }
 

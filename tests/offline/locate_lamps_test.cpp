@@ -9,7 +9,7 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/lens/lens_models.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/offline/lamps_report.h"
 #include "support/refused.h"
 #include "support/rendered_lamp.h"

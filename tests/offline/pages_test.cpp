@@ -9,7 +9,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/geometry/lens/lens_models.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/calibration_page.h"
 #include "planar_servo/offline/lamps_report.h"
@@ -395,8 +395,8 @@ TEST_CASE("The page of an arm shows places left out over places and angles, and 
   CHECK_THAT(page, Contains("Over the angle of motor 3"));
   CHECK_THAT(page, Contains("<th scope=\"row\">link 1</th><td>" +
                             fixed(fit.estimate.fit.arm[0] / kMillimetre, 5)));
-  CHECK_THAT(page, Contains("<th scope=\"row\">" + readings[5].id +
-                            "</th><td>contradicts the others</td>"));
+  CHECK_THAT(page, Contains("<th scope=\"row\">left out</th><td>" + readings[5].id +
+                            ": they contradict the others</td>"));
 }
 
 TEST_CASE("An arm is judged by places left out and by what readings leave open") {

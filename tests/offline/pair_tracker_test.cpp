@@ -7,7 +7,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/offline/pairs/pair_page.h"
 #include "support/refused.h"
 

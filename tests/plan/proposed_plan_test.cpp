@@ -57,7 +57,7 @@ TEST_CASE("More readings promise more, until they are not worth their time") {
   plan.before = 1.0e-3;
   plan.after = 0.98e-3;
   CHECK_FALSE(plan.worth_reading());
-  CHECK_THAT(proposal_text(plan), Catch::Contains("stop"));
+  CHECK_THAT(proposal_list(plan).text(), Catch::Contains("stop"));
 }
 
 TEST_CASE("Too few readings for a first plan are refused") {
@@ -74,7 +74,7 @@ TEST_CASE("A plan without a tracker has turned poses and lays, and the arm can m
   CHECK(std::none_of(plan.rows.begin(), plan.rows.end(),
                      [](const PlanRow& row) { return needs_reading(row.plan); }));
   CHECK_NOTHROW(joints_of_plan(cell, plan.rows));
-  CHECK_THAT(proposal_text(plan), !Catch::Contains("readings"));
+  CHECK_THAT(proposal_list(plan).text(), !Catch::Contains("readings"));
 }
 
 TEST_CASE("Unattended poses follow the readings") {

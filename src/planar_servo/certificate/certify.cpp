@@ -180,8 +180,7 @@ std::vector<JudgedMove> moves_so_far(const CertificateRequest& request, const st
 std::vector<std::string> accepted_words(const CertificateRequest& request) {
   const CalibratedCell& cell = *request.servo.cell;
   if (!request.servo.accepted.stale) require_belonging(cell.stale);
-  std::vector<std::string> words;
-  words.reserve(cell.stale.size());
+  std::vector<std::string> words;  // the run warns of them
   for (const StaleFile& file : cell.stale) words.push_back(file.text());
   if (const auto map = accept_map(cell, request.servo.accepted.map))
     words.push_back(cell.settings.error_map.string() + ": " + *map);

@@ -29,15 +29,6 @@ std::vector<const JudgedMove*> targets_of(const std::vector<JudgedMove>& moves) 
   return targets;
 }
 
-/// Returns the median over the moves that have the figure; 0 when none has.
-double median_over(const std::vector<JudgedMove>& moves,
-                   std::optional<double> JudgedMove::*figure) {
-  std::vector<double> values;
-  for (const JudgedMove& move : moves)
-    if (move.*figure) values.push_back(*(move.*figure));
-  return values.empty() ? 0.0 : median(values);
-}
-
 /// Returns per axis how far beside the targets the first moves ended, by the cell's own view.
 double landing_of(const std::vector<const JudgedMove*>& targets) {
   std::vector<double> lengths;
@@ -177,10 +168,10 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
   const std::vector<const JudgedMove*> targets = targets_of(moves);
   const TrackerNoise tracker = calibration_tracker(cell);
   PredictionInputs known = known_of(cell, vision);
-  known.sigma_vision = median_over(moves, &JudgedMove::sigma_vision);
+  known.sigma_vision = median_of(moves, &JudgedMove::sigma_vision);
   known.sigma_tracker = tracker.sigma;
   known.landing_sigma = landing_of(targets);
-  known.servo.tolerance_m = median_over(moves, &JudgedMove::stop_below);
+  known.servo.tolerance_m = median_of(moves, &JudgedMove::stop_below);
   const TermsOverTargets over = terms_over(targets, known, read_workplane(cell.workplane));
   UncertaintyBudget budget;
   for (const auto& terms : {vision_terms(cell, over, tracker.source), content_terms(over.terms),

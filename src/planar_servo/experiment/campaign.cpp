@@ -164,9 +164,9 @@ void require_same_machine(const CellSettings& cell, const Truth& drawn) {
       {fmt::format("states links of {:.0f} and {:.0f} mm and a sensor of {} x {} px; the cells "
                    "that --seeds draws have links of about {:.0f} and {:.0f} mm and a sensor of "
                    "about {:.0f} x {:.0f} px",
-                   stated_m[0] / kMillimetre, stated_m[1] / kMillimetre, cell.camera.width_px,
-                   cell.camera.height_px, links_m[0] / kMillimetre, links_m[1] / kMillimetre,
-                   2.0 * drawn.camera.center_px.x(), 2.0 * drawn.camera.center_px.y()),
+                   mm(stated_m[0]), mm(stated_m[1]), cell.camera.width_px, cell.camera.height_px,
+                   mm(links_m[0]), mm(links_m[1]), 2.0 * drawn.camera.center_px.x(),
+                   2.0 * drawn.camera.center_px.y()),
        "give a cell.yaml such as planar-virtual-cell draw writes", cell.file, Cause::kForeign});
 }
 

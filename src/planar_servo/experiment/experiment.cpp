@@ -175,7 +175,7 @@ PositioningPrediction predicted(const ExperimentRequest& request, const Calibrat
 
 std::string board_text(const Board& board) {
   return fmt::format("{}:{}x{}:{}mm", name_in(kBoardKinds, board.kind), board.columns, board.rows,
-                     board.pitch / kMillimetre);
+                     mm(board.pitch));
 }
 
 std::string value_text(const nlohmann::json& making, const std::string& key) {
@@ -250,7 +250,7 @@ nlohmann::json making_of_campaign(const ExperimentRequest& request) {
                         {"unattended_poses", size.unattended_poses},
                         {"lays", size.lays},
                         {"uses_tracker", request.uses_tracker}};
-  if (request.dots_height) making["board_thickness_mm"] = *request.dots_height / kMillimetre;
+  if (request.dots_height) making["board_thickness_mm"] = mm(*request.dots_height);
   return making;
 }
 

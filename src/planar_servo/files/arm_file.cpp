@@ -8,7 +8,6 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/yaml_reader.h"
 #include "planar_servo/base/io/yaml_writer.h"
-#include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/matrix_fields.h"
 
 namespace planar {

@@ -4,7 +4,6 @@
 
 #include "planar_servo/files/arm_file.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map_file.h"
 
 namespace planar {
@@ -12,35 +11,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<StaleFile> missing_files(const CellSettings& cell, bool with_error_map) {
-  std::vector<StaleFile> missing;
-  const auto look_for = [&](const fs::path& file, const char* program) {
-    try {
-      require_made(file, program);
-    } catch (const InputError& e) {
-      missing.push_back({e.refusal(), file});
-    }
-  };
-  for (const MadeFile& file : calibration_files(cell, with_error_map))
-    look_for(file.path, program_for(file.role));
-  if (cell.arm_found) look_for(*cell.arm_found, "planar-fit-error-map --arm-out");
-  return missing;
-}
-
 std::optional<VisionCalibration> vision_so_far(const CellSettings& cell, bool with_error_map) {
-  for (const MadeFile& file : calibration_files(cell, false))
-    if (!fs::exists(file.path)) return std::nullopt;
+  if (!missing_files(calibration_files(cell, false)).empty()) return std::nullopt;
   return read_vision(cell, with_error_map && fs::exists(cell.error_map));
 }
 
 }  // namespace
 
 CalibratedCell read_calibrated_cell(const CellSettings& settings, bool with_error_map) {
+  std::vector<MadeFile> needed = calibration_files(settings, with_error_map);
+  if (settings.arm_found) needed.push_back({Role::kArmFound, *settings.arm_found});
   CalibratedCell cell{settings,
                       vision_so_far(settings, with_error_map),
                       joint_planner(settings),
                       std::nullopt,
-                      missing_files(settings, with_error_map),
+                      missing_files(needed),
                       {},
                       {}};
   if (settings.arm_found && fs::exists(*settings.arm_found))

@@ -7,25 +7,11 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/camera_file.h"
-#include "planar_servo/files/cell_file.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/matrix_fields.h"
 
 namespace planar {
 namespace {
-
-/// Throws InputError naming every file that is missing, with the program that makes it.
-void require_files(const CellSettings& cell, bool with_error_map) {
-  Faults faults;
-  for (const MadeFile& file : calibration_files(cell, with_error_map)) {
-    try {
-      require_made(file.path, program_for(file.role));
-    } catch (const InputError& e) {
-      faults.add(e.refusal());
-    }
-  }
-  faults.throw_if_any();
-}
 
 /// Reads the cell's vision without its tool.
 VisionCalibration read_cell_workplane(const CellSettings& cell) {
@@ -145,8 +131,8 @@ void require_reference_lamps(const CellSettings& cell, const std::vector<Referen
 }
 
 CameraModel read_cell_camera(const CellSettings& cell) {
-  const CameraRecord record =
-      read_camera(require_made(cell.camera_model, "planar-calibrate-camera"));
+  require_belonging(missing_files({{Role::kCamera, cell.camera_model}}));
+  const CameraRecord record = read_camera(cell.camera_model);
   if (record.width_px != cell.camera.width_px || record.height_px != cell.camera.height_px)
     throw InputError(
         {fmt::format("was made for a camera with {} x {} px, but the cell's has {} x {} px",
@@ -159,7 +145,7 @@ CameraModel read_cell_camera(const CellSettings& cell) {
 }
 
 VisionCalibration read_vision(const CellSettings& cell, bool with_error_map) {
-  require_files(cell, with_error_map);
+  require_belonging(missing_files(calibration_files(cell, with_error_map)));
   VisionCalibration vision = read_cell_workplane(cell);
   require_reference_lamps(cell, vision.reference_lamps);
   vision.tool = read_tool(cell.tool);

@@ -8,7 +8,7 @@
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/loop/health/health_record.h"
 #include "planar_servo/loop/vision/reference_lamps.h"

@@ -329,11 +329,4 @@ CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kin
   return cell;
 }
 
-const std::filesystem::path& require_made(const std::filesystem::path& path,
-                                          const std::string& program) {
-  if (!std::filesystem::exists(path))
-    throw InputError({"does not exist yet", "make it with " + program, path, Cause::kMissing});
-  return path;
-}
-
 }  // namespace planar

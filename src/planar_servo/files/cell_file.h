@@ -14,9 +14,4 @@ CellSettings read_cell(const std::filesystem::path& path, const DeviceKinds& kin
 /// Returns the block `servo` of a cell file in one line, such as "law: jacobian, gain: 1, ...".
 std::string servo_text(const ServoSettings& servo);
 
-/// Returns `path` when it exists. Otherwise throws InputError naming `program`, which makes that
-/// file.
-const std::filesystem::path& require_made(const std::filesystem::path& path,
-                                          const std::string& program);
-
 }  // namespace planar

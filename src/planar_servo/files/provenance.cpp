@@ -107,8 +107,9 @@ const char* program_for(Role role) {
     case Role::kWork:
       return "planar-find-work";
     case Role::kErrorMap:
-    case Role::kArmFound:
       return "planar-fit-error-map";
+    case Role::kArmFound:
+      return "planar-fit-error-map --arm-out";
     default:
       return "planar-pair-tracker";
   }
@@ -242,6 +243,16 @@ std::string with_row_hash(const std::string& table) {
 bool has_changed_rows(const fs::path& table) {
   const std::string written = remark_in(table, kRowsRemark);
   return !written.empty() && written != sha256(rows_of(read_file(table)));
+}
+
+std::vector<StaleFile> missing_files(const std::vector<MadeFile>& files) {
+  std::vector<StaleFile> missing;
+  for (const auto& [role, path] : files)
+    if (!fs::exists(path))
+      missing.push_back({{"does not exist yet", std::string("make it with ") + program_for(role),
+                          path, Cause::kMissing},
+                         path});
+  return missing;
 }
 
 std::vector<StaleFile> contradictions(const std::vector<MadeFile>& files,

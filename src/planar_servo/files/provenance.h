@@ -130,6 +130,9 @@ struct StaleFile : Refusal {
   std::filesystem::path path;
 };
 
+/// Returns a refusal, with the program that makes it, for each of these files that does not exist.
+std::vector<StaleFile> missing_files(const std::vector<MadeFile>& files);
+
 /// Returns a refusal for every origin of these files that differs from what is `present`, or from
 /// the same origin of a file before it. It names both and the program to run again. Only these
 /// roles are compared.

@@ -8,7 +8,7 @@
 
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/target_table.h"
-#include "planar_servo/geometry/tool/tool_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 
 namespace planar {

@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <fstream>
-
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/tables/pair_table.h"
+#include "planar_servo/files/tables/table_columns.h"
 #include "planar_servo/geometry/arm/transmission.h"
 #include "planar_servo/offline/page_of_file.h"
 #include "planar_servo/report/places.h"
@@ -16,13 +15,6 @@
 
 namespace planar {
 namespace {
-
-bool is_table_of_pairs(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  for (std::string line; std::getline(in, line);)
-    if (!line.empty() && line[0] != '#') return line.find("x_vision_mm") != std::string::npos;
-  return false;
-}
 
 ArmReading reading_of(const Transmission& transmission, const PairRow& pair) {
   if (!pair.theta || !pair.p_reflector || !pair.sigma_tracker)
@@ -86,7 +78,7 @@ std::vector<ArmReading> read_arm_readings(const CellSettings& cell,
                                           const std::filesystem::path& path) {
   const Transmission transmission(cell.transmission);
   std::vector<ArmReading> readings;
-  if (is_table_of_pairs(path)) {
+  if (is_table_with("x_vision_mm", path, "pairs")) {
     for (const PairRow& pair : read_pairs(path))
       if (pair.is_attended()) readings.push_back(reading_of(transmission, pair));
   } else {
@@ -132,9 +124,8 @@ ReportList arm_terms_list(const JointEstimate& estimate) {
 
 ReportList arm_list(const ArmFit& fit) {
   ReportList list;
-  list.unprinted("left_out", fit.left_out);
-  if (!fit.left_out.empty())
-    list.line("left out", "{left_out}: they contradict the others", fit.left_out);
+  list.line_if(!fit.left_out.empty(), "left out", "{left_out}: they contradict the others",
+               fit.left_out);
   list.line("readings met", "{rms_mm:.4f} mm rms, {harmonics} harmonics of each reducer", fit.rms,
             fit.estimate.size.harmonics);
   list.line("places left out", "{held_out_rms_mm:.4f} mm rms", fit.held_out_rms);
@@ -155,7 +146,7 @@ Verdict arm_verdict(const ArmFit& fit) {
   if (static_cast<double>(fit.left_out.size()) > kFewLeftOut * static_cast<double>(readings))
     verdict.faults.push_back(
         {fmt::format("{} of {} readings contradict the others", fit.left_out.size(), readings),
-         "look at the readings that are named under 'Left out', and read these places again"});
+         "look at the readings that are named below, and read these places again"});
   verdict.good = fmt::format(
       "{} readings are met to {:.4f} mm rms and places left out to {:.4f} mm, where the tracker's "
       "deviation is {:.4f} mm per axis; links and the zeros of motors 1 and 2 are determined",
@@ -179,12 +170,9 @@ std::string arm_page(const ArmFit& fit, const std::filesystem::path& file) {
   page.add_paragraph(
       "A wave over the angle of a motor is an eccentricity of its reducer that the model lacks.");
   page.add_heading("In numbers");
-  page.add_html(arm_terms_list(fit.estimate).table("What was found", "terms").html());
-  if (!fit.left_out.empty()) {
-    TextTable left_out("Left out", {"reading", "why"});
-    for (const std::string& id : fit.left_out) left_out.add_row({id, "contradicts the others"});
-    page.add_html(left_out.html());
-  }
+  const ReportList list = arm_list(fit);
+  page.add_html(list.table("What was found").html());
+  page.add_html(list.table("The arm, as found from the poses", "terms").html());
   add_provenance(page, file);
   return page.text();
 }

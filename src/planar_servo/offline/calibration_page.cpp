@@ -245,6 +245,11 @@ Panel residual_histogram(const CameraCalibration& found) {
                    {found.rms_px / std::sqrt(2.0), "their rms"});
 }
 
+/// Returns a deviation; "?" of a parameter that the views do not tell by itself.
+std::string deviation(double sigma_px) {
+  return std::isnan(sigma_px) ? "?" : fmt::format("{:.2f}", sigma_px);
+}
+
 }  // namespace
 
 ImageCoverage coverage_of(const CameraCalibration& found) {
@@ -308,10 +313,12 @@ ReportList calibration_list(const CameraCalibration& found) {
   };
   list.rows("rejected", found.rejected, list_rejected, "  ");
   list.line("model", "{model}", found.model);
-  list.line("focal lengths",
-            fmt::format("{:.2f} +- {:.2f}, {:.2f} +- {:.2f} px", k.fx, sigma[0], k.fy, sigma[1]));
-  list.line("principal point",
-            fmt::format("{:.2f} +- {:.2f}, {:.2f} +- {:.2f} px", k.cx, sigma[2], k.cy, sigma[3]));
+  const auto pair = [&](double a, double b, std::size_t i) {
+    return fmt::format("{:.2f} +- {}, {:.2f} +- {} px", a, deviation(sigma[i]), b,
+                       deviation(sigma[i + 1]));
+  };
+  list.line("focal lengths", pair(k.fx, k.fy, 0));
+  list.line("principal point", pair(k.cx, k.cy, 2));
   list.unprinted("camera_matrix",
                  std::array<double, 9>{k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0});
   list.line("distortion", "{distortion_coefficients:.4g| }", distortion_coefficients(found.camera));
@@ -349,7 +356,7 @@ Verdict camera_verdict(const CameraCalibration& found) {
         "camera's model places points of the plane to {:.4f} mm on average and {:.4f} mm at worst",
         found.views.size(), found.rms_px, *found.held_out_rms_px, per_cent(coverage.systematic),
         *std::max_element(coverage.corner_gaps_px.begin(), coverage.corner_gaps_px.end()),
-        mm(found.plane_error.mean()), found.plane_error.largest() / kMillimetre);
+        mm(found.plane_error.mean()), mm(found.plane_error.largest()));
   return verdict;
 }
 
@@ -381,7 +388,7 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
       "uncertain (one standard deviation, both axes together), once the plane's pose has been "
       "fitted; it is shown where boards were seen, beyond which the model extrapolates. Second: a "
       "view far above the others is blurred, or its board bent.",
-      found.plane_error.distance / kMillimetre));
+      mm(found.plane_error.distance)));
   page.add_heading("In numbers");
   const ReportList list = page_list(found, coverage);
   page.add_html(list.table("What was found").html());

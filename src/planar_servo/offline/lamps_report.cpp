@@ -18,17 +18,10 @@ std::optional<double> median_of(const std::vector<double>& values) {
   return values.empty() ? std::nullopt : std::optional<double>(median(values));
 }
 
-std::size_t count_of(const LocateReport& report, LampStatus status) {
-  return static_cast<std::size_t>(
-      std::count_if(report.rows.begin(), report.rows.end(),
-                    [&](const LampRow& row) { return row.status == status; }));
-}
-
-/// Returns the number of images with each status but ok, by its word.
-std::map<std::string, std::size_t> other_statuses(const LocateReport& report) {
-  std::map<std::string, std::size_t> counts;
-  for (const LampRow& row : report.rows)
-    if (row.status != LampStatus::kOk) ++counts[name(row.status)];
+/// Returns the number of images of each status.
+std::map<LampStatus, std::size_t> counts_of(const LocateReport& report) {
+  std::map<LampStatus, std::size_t> counts;
+  for (const LampRow& row : report.rows) ++counts[row.status];
   return counts;
 }
 
@@ -152,25 +145,13 @@ std::optional<double> pull_rms(const std::vector<RepeatedSight>& sights) {
 }
 
 void add_failures(const LocateReport& report, Verdict& verdict) {
-  std::map<LampStatus, std::size_t> counts;
-  std::size_t images = 0;
-  for (const LampRow& row : report.rows) {
-    if (row.status == LampStatus::kBoardView) continue;
-    ++images;
-    if (row.status != LampStatus::kOk) ++counts[row.status];
-  }
+  auto counts = counts_of(report);
+  const std::size_t images = report.rows.size() - counts[LampStatus::kBoardView];
+  for (const LampStatus fine : {LampStatus::kOk, LampStatus::kBoardView}) counts.erase(fine);
   for (const auto& [status, count] : counts)
     if (static_cast<double>(count) > kFewFailures * static_cast<double>(images))
       verdict.faults.push_back(
           {fmt::format("{} of {} images are {}", count, images, name(status)), remedy_for(status)});
-}
-
-TextTable status_table(const LocateReport& report) {
-  TextTable table("Images", {"status", "how many"});
-  table.add_row({"ok", std::to_string(count_of(report, LampStatus::kOk))});
-  for (const auto& [status, count] : other_statuses(report))
-    table.add_row({status, std::to_string(count)});
-  return table;
 }
 
 /// Names the images without lamps, the first ones of many.
@@ -190,23 +171,26 @@ std::string failures_html(const LocateReport& report) {
 }  // namespace
 
 bool shows_any(const LocateReport& report) {
-  return count_of(report, LampStatus::kOk) + count_of(report, LampStatus::kAmbiguous) > 0;
+  const auto counts = counts_of(report);
+  return counts.count(LampStatus::kOk) + counts.count(LampStatus::kAmbiguous) > 0;
 }
 
 std::optional<Refusal> distance_doubt(const LocateReport& report, double separation) {
   const auto ratio = median_of(report.wrong_distances);
   if (!ratio) return std::nullopt;
-  return Refusal{fmt::format("in {} images the pair is {:.1f} mm apart, the cell says {:.4g} mm",
-                             report.wrong_distances.size(), *ratio * separation / kMillimetre,
-                             separation / kMillimetre),
-                 "measure the lamps and correct lamps.separation_mm in the cell file, or the link "
-                 "lengths if they are wrong",
-                 "", Cause::kContradiction};
+  return Refusal{
+      fmt::format("in {} images the pair is {:.1f} mm apart, the cell says {:.4g} mm",
+                  report.wrong_distances.size(), mm(*ratio * separation), mm(separation)),
+      "measure the lamps and correct lamps.separation_mm in the cell file, or the link "
+      "lengths if they are wrong",
+      "", Cause::kContradiction};
 }
 
 ReportList locate_list(const LocateReport& report) {
-  const std::map<std::string, std::size_t> statuses = other_statuses(report);
-  const std::size_t images = report.rows.size(), ok = count_of(report, LampStatus::kOk);
+  std::map<std::string, std::size_t> statuses;
+  for (const auto& [status, count] : counts_of(report)) statuses[name(status)] = count;
+  const std::size_t images = report.rows.size(), ok = statuses[name(LampStatus::kOk)];
+  statuses.erase(name(LampStatus::kOk));
   std::vector<double> sigmas_phi;
   for (const LampRow& row : report.rows)
     if (row.sigma_phi) sigmas_phi.push_back(*row.sigma_phi);
@@ -255,8 +239,9 @@ Verdict lamps_verdict(const LocateReport& report) {
          "find what moves while the arm should rest: let it settle longer (servo.settle_ms), "
          "fasten the camera"});
   if (!verdict.faults.empty()) return verdict;
-  verdict.good = fmt::format("{} of {} images show the lamps{}", count_of(report, LampStatus::kOk),
-                             report.rows.size() - count_of(report, LampStatus::kBoardView),
+  auto counts = counts_of(report);
+  verdict.good = fmt::format("{} of {} images show the lamps{}", counts[LampStatus::kOk],
+                             report.rows.size() - counts[LampStatus::kBoardView],
                              pulls ? fmt::format(", and at rest they scatter by {:.2f} times what "
                                                  "is stated",
                                                  *pulls)
@@ -288,7 +273,7 @@ std::string lamps_page(const LocateReport& report, const std::filesystem::path& 
         "wide as the curve where the stated ones are right.");
   }
   page.add_heading("In numbers");
-  page.add_html(status_table(report).html());
+  page.add_html(locate_list(report).table("What was found").html());
   page.add_html(failures_html(report));
   add_provenance(page, file);
   return page.text();

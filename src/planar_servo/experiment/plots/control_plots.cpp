@@ -114,7 +114,7 @@ std::map<std::string, std::vector<Eigen::Vector2d>> ways_of(const std::vector<St
   for (const StepError& step : steps) {
     std::vector<Eigen::Vector2d>& way = ways[step.target];
     if (step.step == 0) way.clear();  // what a broken-off run has begun is begun again
-    if (step.error) way.emplace_back(step.step, *step.error / kMillimetre);
+    if (step.error) way.emplace_back(step.step, mm(*step.error));
   }
   return ways;
 }
@@ -196,7 +196,7 @@ std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
   for (const auto* steps : {&ours, &paper})
     for (const StepError& step : *steps) {
       most = std::max(most, step.step);
-      if (step.error && *step.error > 0.0) errors_mm.push_back(*step.error / kMillimetre);
+      if (step.error && *step.error > 0.0) errors_mm.push_back(mm(*step.error));
     }
   if (errors_mm.empty()) return std::nullopt;
   const Axis corrections{"corrections made", -0.3, most + 0.3};

@@ -118,7 +118,7 @@ double left_mm(const std::vector<PredictedPlace>& circle, const DrawnMap& drawn)
   std::vector<double> left;
   left.reserve(circle.size());
   for (const PredictedPlace& place : circle)
-    left.push_back((place.measured - place.*drawn.prediction).norm() / kMillimetre);
+    left.push_back(mm((place.measured - place.*drawn.prediction).norm()));
   return mean(left);
 }
 

@@ -3,17 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/table_columns.h"
 
 namespace planar {
@@ -92,55 +88,6 @@ std::string remap_text(const ErrorGrid& grid, const std::vector<std::string>& re
                      fmt::format("# {}\n{}\n", format_line(), fmt::join(remarks, "\n")));
 }
 
-/// Returns the triangles all of whose corners are valid, as numbers of nodes.
-std::vector<std::array<Eigen::Index, 3>> valid_triangles(const ErrorGrid& grid) {
-  std::vector<std::array<Eigen::Index, 3>> triangles;
-  for (Eigen::Index i = 0; i + grid.columns < grid.nodes(); ++i) {
-    if (i % grid.columns + 1 == grid.columns) continue;
-    const Eigen::Index above = i + grid.columns;
-    for (const auto& corners : {std::array{i, i + 1, above + 1}, std::array{i, above + 1, above}})
-      if (grid.inside[corners[0]] && grid.inside[corners[1]] && grid.inside[corners[2]])
-        triangles.push_back(corners);
-  }
-  return triangles;
-}
-
-std::string vertex_text(const ErrorGrid& grid, Eigen::Index i) {
-  const Eigen::Vector2d seen = grid.node(i), target = seen - grid.errors.col(i);
-  std::string text = fmt::format("[{:.10g},{:.10g},{:.7f},{:.7f}", mm(seen.x()), mm(seen.y()),
-                                 mm(target.x()), mm(target.y()));
-  if (std::isfinite(grid.sigmas[i])) text += fmt::format(",{:.7f}", mm(grid.sigmas[i]));
-  return text + "]";
-}
-
-std::string tinshift_text(const ErrorGrid& grid, const std::vector<std::string>& remarks) {
-  std::vector<std::string> vertices, triangles;
-  Eigen::VectorXi numbers(grid.nodes());
-  for (Eigen::Index i = 0; i < grid.nodes(); ++i) {
-    numbers[i] = static_cast<int>(vertices.size());
-    if (grid.inside[i]) vertices.push_back(vertex_text(grid, i));
-  }
-  for (const auto& [a, b, c] : valid_triangles(grid))
-    triangles.push_back(fmt::format("[{},{},{}]", numbers[a], numbers[b], numbers[c]));
-  return with_format_key(
-      kErrorGridKind,
-      fmt::format(R"({{
-  "file_type": "triangulation_file",
-  "format_version": "1.0",
-  "name": "error map",
-  "description": "{}",
-  "input_crs": "base frame as seen, mm",
-  "output_crs": "base frame, mm",
-  "transformed_components": ["horizontal"],
-  "vertices_columns": ["source_x", "source_y", "target_x", "target_y"{}],
-  "triangles_columns": ["idx_vertex1", "idx_vertex2", "idx_vertex3"],
-  "vertices": [{}],
-  "triangles": [{}]
-}})",
-                  in_one_line(remarks), grid.sigmas.allFinite() ? R"(, "sigma_mm")" : "",
-                  fmt::join(vertices, ",\n"), fmt::join(triangles, ",\n")));
-}
-
 }  // namespace
 
 const TableSchema<ErrorGridRow>& error_grid_schema() {
@@ -155,19 +102,6 @@ const TableSchema<ErrorGridRow>& error_grid_schema() {
         columns.choice("valid", row.valid, kValid);
       }};
   return grids;
-}
-
-bool is_error_grid(const std::filesystem::path& path) {
-  constexpr std::string_view kPadding = " \t\r\"";
-  std::ifstream in(path);
-  for (std::string line; std::getline(in, line);) {
-    line.erase(std::remove_if(line.begin(), line.end(),
-                              [&](char c) { return kPadding.find(c) != std::string_view::npos; }),
-               line.end());
-    if (!line.empty() && line[0] != '#')
-      return (',' + line + ',').find(",dx_mm,") != std::string::npos;
-  }
-  return false;
 }
 
 std::string error_grid_text(const ErrorGrid& grid, const std::vector<std::string>& remarks) {
@@ -186,17 +120,13 @@ TableForm error_grid_form() {
 }
 
 GridUse use_of(GridFormat format) {
-  constexpr auto kCells = GridReading::kBilinear;
   switch (format) {
     case GridFormat::kCsv:
-      return {false, kCells, kSeen, "planar-fit-error-map -o map.yaml FILE"};
+      return {false, kSeen, "planar-fit-error-map -o map.yaml FILE"};
     case GridFormat::kNumpy:
-      return {false, kCells, kSeen, "numpy.load('FILE')"};
+      return {false, kSeen, "numpy.load('FILE')"};
     case GridFormat::kOpencvRemap:
-      return {true, kCells, kTrue,
-              "cv::remap(seen, compensated, map, cv::noArray(), cv::INTER_LINEAR)"};
-    case GridFormat::kTinshift:
-      return {false, GridReading::kTriangles, kSeen, "cct -d 4 +proj=tinshift +file=FILE"};
+      return {true, kTrue, "cv::remap(seen, compensated, map, cv::noArray(), cv::INTER_LINEAR)"};
   }
   throw std::invalid_argument("no such format of a grid");
 }
@@ -210,8 +140,6 @@ std::string grid_text(GridFormat format, const ErrorGrid& grid,
       return numpy_text(grid, remarks);
     case GridFormat::kOpencvRemap:
       return remap_text(grid, remarks);
-    case GridFormat::kTinshift:
-      return tinshift_text(grid, remarks);
   }
   throw std::invalid_argument("no such format of a grid");
 }

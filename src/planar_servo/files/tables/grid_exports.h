@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,9 +24,6 @@ struct ErrorGridRow {
 
 const TableSchema<ErrorGridRow>& error_grid_schema();
 
-/// Returns whether a file's columns are those of such a table. False for what cannot be read.
-bool is_error_grid(const std::filesystem::path& path);
-
 std::string error_grid_text(const ErrorGrid& grid, const std::vector<std::string>& remarks);
 
 /// The formats in which other programs read an error over the plane.
@@ -35,13 +31,11 @@ enum class GridFormat {
   kCsv,          ///< a table
   kNumpy,        ///< numpy.load(): a structured array, rows along y [NumPy Enhancement Proposal 1]
   kOpencvRemap,  ///< cv::FileStorage with the `map` of cv::remap()
-  kTinshift,     ///< PROJ's +proj=tinshift: triangles in JSON [PROJ RFC 6]
 };
 
 constexpr Named<GridFormat> kGridFormats[] = {{GridFormat::kCsv, "grid-csv"},
                                               {GridFormat::kNumpy, "numpy"},
-                                              {GridFormat::kOpencvRemap, "opencv-remap"},
-                                              {GridFormat::kTinshift, "tinshift"}};
+                                              {GridFormat::kOpencvRemap, "opencv-remap"}};
 
 /// The kind of all these files; see require_writable().
 constexpr char kErrorGridKind[] = "error_grid";
@@ -49,7 +43,6 @@ constexpr char kErrorGridKind[] = "error_grid";
 /// What a format is to its reader.
 struct GridUse {
   bool over_true_places;  ///< nodes are where the end point truly is, not where it is seen
-  GridReading reading;    ///< of its reader
   const char* meaning;    ///< how its values are used
   const char* read_by;    ///< a call that reads it
 };

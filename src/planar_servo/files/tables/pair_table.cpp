@@ -252,7 +252,7 @@ std::vector<ReferenceLamp> read_reference_remarks(const std::filesystem::path& p
 
 void read_pairs(const std::filesystem::path& path,
                 const std::function<void(const PairRow&)>& take) {
-  if (is_error_grid(path)) return read_grid(path, take);
+  if (is_table_with("dx_mm", path, error_grid_schema().kind)) return read_grid(path, take);
   TableFile<PairRow> table(path, pair_schema());
   for (PairRow row; table.next(row);) take(row);
   table.throw_if_faulty_or_empty();

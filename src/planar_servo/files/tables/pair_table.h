@@ -11,7 +11,7 @@
 #include "planar_servo/base/core/purpose.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/lamps/lamp.h"
 #include "planar_servo/loop/vision/reference_lamps.h"
 

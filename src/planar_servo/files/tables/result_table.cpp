@@ -187,10 +187,6 @@ const std::vector<ResultError>& result_errors() {
   return errors;
 }
 
-std::string results_header() {
-  return results_header({});
-}
-
 std::string results_header(const std::vector<std::string>& remarks) {
   return result_schema().header(remarks);
 }

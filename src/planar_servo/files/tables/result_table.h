@@ -99,8 +99,7 @@ struct ResultError {
 const std::vector<ResultError>& result_errors();
 
 // The table grows: the header first, then a line at a time.
-std::string results_header();
-std::string results_header(const std::vector<std::string>& remarks);
+std::string results_header(const std::vector<std::string>& remarks = {});
 std::string result_line(const TargetResult& result);
 
 /// Writes the whole table anew.

@@ -105,6 +105,13 @@ std::string table_kind_of(const std::filesystem::path& path) {
   return line.rfind('#', 0) == 0 ? std::string(kind_of_text(line)) : "";
 }
 
+bool is_table_with(const std::string& column, const std::filesystem::path& path,
+                   const std::string& kind) try {
+  return CsvFile(path, kind, {column}).has_column(column);
+} catch (const InputError&) {
+  return false;
+}
+
 std::vector<TableColumn> read_table_columns(const std::filesystem::path& path,
                                             const std::string& kind) {
   const TableForm& form = form_named(kind, path);

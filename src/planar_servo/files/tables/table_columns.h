@@ -25,6 +25,11 @@ std::vector<std::string> table_kinds();
 /// Returns the kind in the first line of a table; empty where that says none.
 std::string table_kind_of(const std::filesystem::path& path);
 
+/// Returns whether a file is a table that may be of this kind and has this column. False for what
+/// cannot be read.
+bool is_table_with(const std::string& column, const std::filesystem::path& path,
+                   const std::string& kind);
+
 /// Reads a table of this kind by columns, in the order of writing; optional columns that the file
 /// lacks are left out. A table without rows has empty columns. Throws InputError naming every fault
 /// with FILE:LINE, and for a kind that is none of table_kinds().

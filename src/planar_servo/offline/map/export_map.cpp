@@ -137,11 +137,10 @@ ExportedMap export_map(const ExportRequest& request) {
   exported.method = method_of(record.map);
   exported.phi = request.phi.value_or(0.0);
   exported.change_with_phi = effect.change;
-  const GridUse use = use_of(request.format);
   ErrorField field = field_of(record, vision, exported.phi);
-  if (use.over_true_places) field = over_true_places(field);
+  if (use_of(request.format).over_true_places) field = over_true_places(field);
   try {
-    exported.sampled = sample_error(field, use.reading, request.step);
+    exported.sampled = sample_error(field, GridReading::kBilinear, request.step);
   } catch (const InputError& e) {
     throw InputError(e.refusal().at(request.map));
   }

@@ -14,7 +14,7 @@
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/map_file.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/learn/field/arm/arm_fit.h"
 #include "planar_servo/offline/calibrate_arm.h"
 #include "planar_servo/offline/page_of_file.h"

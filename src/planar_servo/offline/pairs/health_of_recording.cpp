@@ -11,7 +11,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
-#include "planar_servo/loop/health/arm_check.h"
+#include "planar_servo/loop/health/health_check.h"
 #include "planar_servo/offline/pairs/pair_tracker.h"
 
 namespace planar {

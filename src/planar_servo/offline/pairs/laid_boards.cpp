@@ -76,8 +76,7 @@ std::map<std::string, double> apparent_heights(const std::vector<LayRow>& lays,
 }
 
 std::string above_or_below(double height) {
-  return fmt::format("{:.1f} mm {}", std::abs(height) / kMillimetre,
-                     height > 0.0 ? "above" : "below");
+  return fmt::format("{:.1f} mm {}", mm(std::abs(height)), height > 0.0 ? "above" : "below");
 }
 
 }  // namespace

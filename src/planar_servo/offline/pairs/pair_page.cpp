@@ -67,7 +67,7 @@ std::string step_plot(const RecordedStep& step) {
                       axis_over("what the field leaves, mm", components_of(left_mm)), at, left_mm);
   const double first = static_cast<double>(change.first) + 0.5;
   for (const double size : {change.step.x(), change.step.y()}) {
-    const double size_mm = size / kMillimetre;
+    const double size_mm = mm(size);
     panel.add_line({{order.from, 0.0}, {first, 0.0}, {first, size_mm}, {order.to, size_mm}},
                    Panel::Stroke::kDashed);
   }
@@ -222,7 +222,7 @@ std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport
         "{:.3f} mm at the end point. Where nothing has moved, the dots scatter about zero all "
         "along.",
         report.step->change.frame == StepFrame::kTool ? ", in the tool's frame" : "",
-        report.step->cost() / kMillimetre));
+        mm(report.step->cost())));
   }
   page.add_heading("In numbers");
   const ReportList list = page_list(request, report);

@@ -13,7 +13,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/lens/workplane.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 
 namespace planar {
 namespace {

@@ -131,7 +131,7 @@ Refusal RecordedScatter::doubt() const {
           "pairs: the readings of the training places scatter by {:.4f} mm about any smooth error, "
           "where tracker and lamps state {:.4f} mm together, and are treated as being as "
           "uncertain as they scatter",
-          mm(found), stated / kMillimetre),
+          mm(found), mm(stated)),
       "see whether the reflector is loose on the tool or the arm still moves when it is read", "",
       Cause::kContradiction};
 }
@@ -142,7 +142,7 @@ Refusal RecordedStep::doubt() const {
           "pairs: from place '{}' on, {} of {}, vision and tracker differ by another ({}) mm +- "
           "{:.3f}, which costs up to {:.3f} mm at the end point: {}",
           id, places - change.first, places, fixed(change.step / kMillimetre, 3, ", "),
-          mm(change.sigma), cost() / kMillimetre, causes_of(change.frame)),
+          mm(change.sigma), mm(cost()), causes_of(change.frame)),
       needs_consent() ? "record again with one seating, leave one of the two parts out, or, if you "
                         "know that nothing moved, continue with --accept-step"
                       : "if something moved there, record again or leave one of the two parts out",
@@ -182,7 +182,7 @@ void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSigh
   throw InputError(
       {fmt::format("joint 1 turns about ({}) mm +- {:.3f}, {:.3f} mm from the base's origin, as {} "
                    "places of plan sweep1 show: the monuments are shifted together",
-                   fixed(axis->p / kMillimetre, 3, ", "), per_axis(covariance) / kMillimetre,
+                   fixed(axis->p / kMillimetre, 3, ", "), mm(per_axis(covariance)),
                    mm(axis->p.norm()), points.size()),
        fmt::format("subtract ({}) from x, y of all of them in the cell file, or measure them again",
                    fixed(axis->p / kMillimetre, 3, ", ")),
@@ -265,7 +265,7 @@ Refusal RestSpread::doubt() const {
   return {fmt::format(
               "tracker: its readings of a place at rest scatter by {:.4f} mm, where {:.4f} mm is "
               "stated; they are treated as being as uncertain as they scatter",
-              mm(rms), stated / kMillimetre),
+              mm(rms), mm(stated)),
           "find what shakes the reflector or the tracker, or correct tracker.sigma_mm in the cell "
           "file",
           "", Cause::kContradiction};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <variant>
 
@@ -15,13 +14,6 @@ namespace {
 
 double square(double x) {
   return x * x;
-}
-
-double median_of(const std::vector<PairRow>& pairs, std::optional<double> PairRow::*sigma) {
-  std::vector<double> values;
-  for (const PairRow& pair : pairs)
-    if (pair.*sigma) values.push_back(*(pair.*sigma));
-  return values.empty() ? 0.0 : median(values);
 }
 
 /// Returns the variance per axis at `p` that a registration to monuments leaves, whose readings

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/target_table.h"
@@ -30,6 +32,15 @@ struct PredictionInputs {
 
 /// Returns what cell file and vision say; the deviations are yet to be filled in.
 PredictionInputs known_of(const CellSettings& cell, VisionCalibration vision);
+
+/// Returns the median of a figure over the rows that have it; 0 when none has.
+template <typename Row>
+double median_of(const std::vector<Row>& rows, std::optional<double> Row::*figure) {
+  std::vector<double> values;
+  for (const Row& row : rows)
+    if (row.*figure) values.push_back(*(row.*figure));
+  return values.empty() ? 0.0 : median(values);
+}
 
 /// Returns the uncertainties of a cell whose map is a field at the lamps, from its files, the pairs
 /// that it was calibrated by and the landing that was found with its field.

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <random>
 #include <utility>
@@ -18,7 +17,7 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/provenance.h"
-#include "planar_servo/geometry/tool/vision_tip.h"
+#include "planar_servo/geometry/tool/tips.h"
 #include "planar_servo/learn/field/lamp_field.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/plan/experiment_plan.h"
@@ -95,9 +94,7 @@ struct KnownCell {
 
 KnownCell known(const CellSettings& cell) {
   KnownCell known{cell, joint_planner(cell), {}, std::nullopt};
-  const auto files = calibration_files(cell, false);
-  if (std::all_of(files.begin(), files.end(),
-                  [](const MadeFile& file) { return std::filesystem::exists(file.path); })) {
+  if (missing_files(calibration_files(cell, false)).empty()) {
     known.vision = read_vision(cell, false);
     known.nominal = nominal_arm(cell, *known.vision);
   } else {
@@ -343,15 +340,19 @@ ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
   return plan;
 }
 
-std::string proposal_text(const ProposedPlan& plan) {
-  std::string text = fmt::format("rows                {}\n", plan.rows.size());
-  if (plan.readings == 0) return text;
-  text +=
-      fmt::format("end point           {:.4f} mm expected now, {:.4f} mm after these readings\n",
-                  mm(plan.before), mm(plan.after));
-  if (!plan.worth_reading())
-    return text + "stop                further readings gain less than 5 %\n";
-  return text + fmt::format("nearly there        after {} places for training\n", plan.enough);
+ReportList proposal_list(const ProposedPlan& plan) {
+  ReportList list;
+  list.line("rows", "{rows}", plan.rows.size());
+  if (plan.readings == 0) return list;
+  list.line("end point",
+            "{expected_before_mm:.4f} mm expected now, {expected_after_mm:.4f} mm after these "
+            "readings",
+            plan.before, plan.after);
+  list.line_if(!plan.worth_reading(), "stop", "further readings gain less than 5 %");
+  list.line_if(plan.worth_reading(), "nearly there", "after {enough} places for training",
+               plan.enough);
+  list.unprinted("worth_reading", plan.worth_reading());
+  return list;
 }
 
 }  // namespace planar

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/learn/field/joint_estimate.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
@@ -60,6 +60,6 @@ struct ProposedPlan {
 ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
                           const std::vector<PairRow>& pairs = {});
 
-std::string proposal_text(const ProposedPlan& plan);
+ReportList proposal_list(const ProposedPlan& plan);
 
 }  // namespace planar
