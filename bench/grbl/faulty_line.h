@@ -10,7 +10,7 @@
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/hardware/drives/grbl_board.h"
-#include "planar_servo/machine/rehearsal/pty_port.h"
+#include "planar_servo/machine/rehearsal/emulated_grbl.h"
 
 namespace planar {
 
