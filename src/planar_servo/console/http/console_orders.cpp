@@ -178,7 +178,7 @@ Json order_step(ConsoleJobs& jobs, const Json& body, StopsKnown known) {
 }  // namespace
 
 const std::map<std::string, ConsoleOrders::Act>& ConsoleOrders::acts() {
-  static const std::map<std::string, Act> kActs{{"/api/command", order_command},
+  static const std::map<std::string, Act> paths{{"/api/command", order_command},
                                                 {"/api/jog", order_jog},
                                                 {"/api/jog/keep", order_keep},
                                                 {"/api/targets", order_targets},
@@ -193,7 +193,7 @@ const std::map<std::string, ConsoleOrders::Act>& ConsoleOrders::acts() {
                                                 {"/api/answer", order_answer},
                                                 {"/api/confirm", order_confirm},
                                                 {"/api/step", order_step}};
-  return kActs;
+  return paths;
 }
 
 void ConsoleOrders::follow_events(const std::string& client, int pages) {
