@@ -19,10 +19,9 @@ namespace {
 const ProgramText kText{
     "planar-certify",
     "planar-certify --cell cell.yaml --out DIR [--cycles N] [--targets N] [--home] [--at-marks]\n"
-    "                      [--accept-stale] [--accept-map]\n"
-    "       planar-certify --cell cell.yaml --out DIR --by scale-bar --bar bar.csv [--bar-sigma-mm "
-    "S]\n"
-    "                      [--image FILE ...]",
+    "                      [--nearest-turn] [--accept-stale] [--accept-map]\n"
+    "       planar-certify --cell cell.yaml --out DIR --by scale-bar --bar bar.csv\n"
+    "                      [--bar-sigma-mm S] [--image FILE ...] [--accept-stale]",
     R"(moves               610 of 610 moves reached and judged by the truth
 pose accuracy       0.0250 mm AP at P4, the worst of 5
 repeatability       0.0062 mm RP at P4, over 30 cycles
@@ -102,18 +101,23 @@ ScaleBarResult bar_by_camera(const CalibratedCell& cell, const ScaleBar& bar) {
       if (!terminal.is_attended()) throw;
       terminal.warn(e.what());
     }
-  } while (
-      terminal.is_attended() && !interrupted() &&
-      terminal.ask(fmt::format("{} lengths; lay the bar elsewhere, then Enter, or end with q: ",
-                               result.lengths.size())) != "q");
+  } while (terminal.is_attended() && !interrupted() &&
+           terminal.ask(fmt::format("{} places; lay the bar elsewhere, then Enter, or end with q: ",
+                                    result.places())) != "q");
   return result;
 }
 
 ScaleBarResult bar_in_pictures(const CalibratedCell& cell, const ScaleBar& bar,
                                const std::vector<std::filesystem::path>& images) {
   ScaleBarResult result{bar, {}};
-  for (const std::filesystem::path& image : images)
-    add_lengths(result, saved_frames({image}, cell.settings), *cell.vision);
+  for (const std::filesystem::path& image : images) {
+    const std::vector<Frame> frames = saved_frames({image}, cell.settings);
+    try {
+      add_lengths(result, frames, *cell.vision);
+    } catch (const WorkError& e) {
+      throw WorkError(e.refusal().at(image.string()));
+    }
+  }
   return result;
 }
 
@@ -131,7 +135,9 @@ Outcome certify_by_bar(const Options& options) {
   const ReportList list = scale_bar_list(result);
   write_file(page, scale_bar_page(result, options.cell));
   say("{}certificate: {}\n", list.text(), page.string());
-  return {list.json(), result.counts()};
+  const std::optional<Refusal> fault = result.fault();
+  if (fault) spdlog::error(fault->text());
+  return {list.json(), !fault};
 }
 
 Outcome certify(const Options& options) {

@@ -27,7 +27,11 @@ sed 's/300,0/299,0/' bar.csv >short.csv
 status=0
 "$bin/planar-certify" --cell cell/cell.yaml --by scale-bar --bar short.csv --image place*.png --out wrong >said.txt || status=$?
 [ $status -eq 1 ] && grep -q "are within the stated" wrong/scale_bar.html || fail "a wrong bar ended with $status: $(cat said.txt)"
+again=(place1.png place1.png place1.png place1.png place1.png place1.png place2.png place2.png)
+expect 1 "2 places are too few" "${certify[@]}" --out again --image "${again[@]}"
 cp bare_truth.yaml cell/truth.yaml
+echo "save bare.png" | "$bin/planar-jog" --cell cell/cell.yaml >/dev/null
+expect 1 "bare.png: .*found nowhere" "${certify[@]}" --out bare --image place1.png bare.png
 put 100,150,0
 status=0
 "${certify[@]}" --out few </dev/null >said.txt || status=$?

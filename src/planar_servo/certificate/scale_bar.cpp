@@ -32,10 +32,33 @@ std::size_t ScaleBarResult::within_95() const {
       [](const LengthError& length) { return std::abs(length.error) < 1.96 * length.sigma; }));
 }
 
-bool ScaleBarResult::counts() const {
-  return lengths.size() >= kLeastPlaces &&
-         binomial_tail(static_cast<int>(within_95()), static_cast<int>(lengths.size()), 0.95) >
-             kFalseAlarm;
+std::size_t ScaleBarResult::places() const {
+  const auto lies_as = [&](const LengthError& a, const LengthError& b) {
+    const double turned = 0.5 * bar.length * std::abs(std::remainder(a.turn - b.turn, kPi));
+    return std::hypot((a.middle_B - b.middle_B).norm(), turned) < bar.marks.front().size;
+  };
+  std::size_t places = 0;
+  for (auto length = lengths.begin(); length != lengths.end(); ++length)
+    if (std::none_of(lengths.begin(), length,
+                     [&](const LengthError& before) { return lies_as(*length, before); }))
+      ++places;
+  return places;
+}
+
+std::optional<Refusal> ScaleBarResult::fault() const {
+  constexpr std::size_t kLeastPlaces = 7;
+  if (places() < kLeastPlaces)
+    return Refusal{fmt::format("{} places are too few", places()),
+                   fmt::format("lay the bar in {} or more, over the whole workspace and at "
+                               "different turns",
+                               kLeastPlaces),
+                   "", Cause::kInsufficient};
+  const auto all = static_cast<int>(lengths.size()), within = static_cast<int>(within_95());
+  if (binomial_tail(within, all, 0.95) > kFalseAlarm) return std::nullopt;
+  return Refusal{fmt::format("only {} of {} errors are within the stated 95 %", within, all),
+                 "measure the bar's height (z_mm), compare its certificate and temperature, or "
+                 "calibrate anew",
+                 "", Cause::kContradiction};
 }
 
 void add_lengths(ScaleBarResult& result, const std::vector<Frame>& frames,
@@ -57,7 +80,7 @@ std::string length_words(const LengthError& length) {
 ReportList scale_bar_list(const ScaleBarResult& result) {
   ReportList list;
   list.line("bar", "{bar_mm:.4f} mm, +- {bar_sigma_mm:.4f}", result.bar.length, result.bar.sigma);
-  list.line("places", "{places} places and turns of the bar", result.lengths.size());
+  list.line("places", "{places} places and turns of the bar", result.places());
   list.line("length errors",
             "up to {largest_error_mm:.4f} mm, {within_95} within their stated 95 %",
             result.largest(), result.within_95());
@@ -75,18 +98,8 @@ std::string scale_bar_page(const ScaleBarResult& result, const std::filesystem::
   Verdict verdict{
       fmt::format("Over {} places and turns, a length of {:.3f} mm is measured within "
                   "{:.4f} mm",
-                  result.lengths.size(), mm(result.bar.length), mm(result.largest()))};
-  if (result.lengths.size() < ScaleBarResult::kLeastPlaces)
-    verdict.faults.push_back({fmt::format("{} places are too few", result.lengths.size()),
-                              fmt::format("lay the bar in {} or more, over the whole workspace and "
-                                          "at different turns",
-                                          ScaleBarResult::kLeastPlaces)});
-  else if (!result.counts())
-    verdict.faults.push_back(
-        {fmt::format("only {} of {} errors are within the stated 95 %", result.within_95(),
-                     result.lengths.size()),
-         "measure the bar's height (z_mm), compare its certificate and temperature, or calibrate "
-         "anew"});
+                  result.places(), mm(result.bar.length), mm(result.largest()))};
+  if (const auto fault = result.fault()) verdict.faults.push_back(*fault);
   page.add_verdict(verdict);
   page.add_html(scale_bar_list(result).table("Length errors", "lengths").html());
   page.add_paragraph(

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/devices/frame_source.h"
 #include "planar_servo/loop/vision/see_tool.h"
 #include "planar_servo/report/report_list.h"
@@ -35,10 +37,12 @@ struct ScaleBarResult {
   ScaleBar bar;
   std::vector<LengthError> lengths;
 
-  static constexpr std::size_t kLeastPlaces = 7;
-  /// Returns whether there are enough places, and as many errors as expected are within what is
-  /// stated.
-  bool counts() const;
+  /// Returns in how many places the bar lay. It lies where it lay before while its marks lie on
+  /// where they lay then.
+  std::size_t places() const;
+  /// Returns why the lengths certify nothing: too few places, or fewer errors than expected within
+  /// what is stated. Empty where they do.
+  std::optional<Refusal> fault() const;
   double largest() const;
   std::size_t within_95() const;
 };
