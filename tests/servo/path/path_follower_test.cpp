@@ -282,6 +282,37 @@ TEST_CASE("A look outside the error map's region is said at the end") {
   CHECK(result.status == ServoStatus::kOutsideMap);
 }
 
+TEST_CASE("A path round the base begins on the turn from which its motors reach its end") {
+  const MovingBench bench;
+  const auto circle_from = [](double angle, double sense) {
+    const auto at = [&](double turned) {
+      return Eigen::Vector2d(0.2 * rotation2d(angle + sense * turned).col(0));
+    };
+    return Path(
+        {{{at(0.0), 0.0}}, {{at(kPi), 0.0}, at(0.5 * kPi)}, {{at(2.0 * kPi), 0.0}, at(1.5 * kPi)}});
+  };
+  const Transmission& transmission = bench.planner.transmission();
+  for (int i = 0; i < 8; ++i)
+    for (const double sense : {-1.0, 1.0}) {
+      const Path path = circle_from(i * kPi / 4.0, sense);
+      const PathDemand demand =
+          path_demand(bench.planner, path, PathTiming(path, kSpeed_m_s), {0.3, 1.2, 0.0});
+      INFO(i << ", " << sense << ": " << demand.refusal.value_or(""));
+      CHECK_FALSE(demand.refusal);
+      CHECK_FALSE(transmission.limit_violation(demand.start));
+    }
+  // Twice round and more is beyond the limits.
+  const Path once = circle_from(0.0, 1.0);
+  std::vector<Waypoint> places = once.waypoints();
+  for (int round = 0; round < 2; ++round)
+    places.insert(places.end(), once.waypoints().begin() + 1, once.waypoints().end());
+  const Path thrice(places);
+  const auto refusal =
+      path_demand(bench.planner, thrice, PathTiming(thrice, kSpeed_m_s), {0.3, 1.2, 0.0}).refusal;
+  REQUIRE(refusal);
+  CHECK_THAT(*refusal, Catch::Contains("unwind a whole turn"));
+}
+
 TEST_CASE("What an arm cannot follow is refused with its place on the path") {
   const MovingBench bench;
   const auto demand = [&](const Path& path, double speed_m_s) {

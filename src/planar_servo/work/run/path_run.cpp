@@ -61,6 +61,11 @@ void require_near(const CellSettings& cell, const PathRequest& request) {
          "write millimetres in the base frame", request.file, Cause::kUnreachable});
 }
 
+/// Returns whether a joint stands on another turn than it is wanted on.
+bool is_turned(const Joints& wanted, const Joints& theta) {
+  return (wanted - theta).cwiseAbs().maxCoeff() > kPi;
+}
+
 PathResult ended_at(const Obstacle& obstacle) {
   return {obstacle.refused ? ServoStatus::kRefused : ServoStatus::kLostCamera, obstacle.reason};
 }
@@ -179,17 +184,21 @@ const PathSpeedResult& PathRun::follow(double speed_m_s, Guidance guidance) {
 }
 
 PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s, Guidance guidance) {
-  const JointPlan start =
-      cell_.planner().plan(path_.path.at(0.0).pose, cell_.robot().commanded_joints());
-  if (start.refusal) return {ServoStatus::kRefused, *start.refusal};
-  if (auto missed = go_to_beginning(start.theta, guidance)) {
+  const auto demand_from_here = [&] {
+    return path_demand(cell_.planner(), path_.path, timing, cell_.robot().commanded_joints());
+  };
+  const PathDemand planned = demand_from_here();
+  if (planned.refusal) return {ServoStatus::kRefused, *planned.refusal};
+  if (auto missed = go_to_beginning(planned.start, guidance)) {
     missed->reason = "on the way to the path's beginning: " + missed->reason;
     return *missed;
   }
-  // A way round obstacles may end on another turn than the nearest: the path begins there.
-  const PathDemand demand =
-      path_demand(cell_.planner(), path_.path, timing, cell_.robot().commanded_joints());
+  // A way round obstacles may end on another turn: the path begins there.
+  const PathDemand demand = demand_from_here();
   if (demand.refusal) return {ServoStatus::kRefused, *demand.refusal};
+  if (is_turned(demand.start, cell_.robot().commanded_joints()))
+    return {ServoStatus::kRefused,
+            "the way to the path's beginning ends on another turn of a motor than it begins on"};
   return follower_.follow(
       path_.path, timing, guidance == Guidance::kVision, [&](const PathLook& look) {
         PathLookRow row{guidance, speed_m_s, look, std::nullopt};
@@ -201,12 +210,15 @@ PathResult PathRun::follow_timed(const PathTiming& timing, double speed_m_s, Gui
 }
 
 std::optional<PathResult> PathRun::go_to_beginning(const Joints& start, Guidance guidance) {
-  if (guidance == Guidance::kArm) {
+  const TipPose pose = path_.path.at(0.0).pose;
+  const JointPlan nearest = cell_.planner().plan(pose, cell_.robot().commanded_joints());
+  if (guidance == Guidance::kArm || is_turned(start, nearest.theta)) {
     const auto obstacle = arrive(cell_.robot(), cell_.planner(), cell_.settings().servo, start,
                                  [&] { return cell_.sensor().fault(); });
-    return obstacle ? std::optional(ended_at(*obstacle)) : std::nullopt;
+    if (obstacle) return ended_at(*obstacle);
+    if (guidance == Guidance::kArm) return std::nullopt;
   }
-  const ServoResult servo = cell_.servo().move_to(path_.path.at(0.0).pose);
+  const ServoResult servo = cell_.servo().move_to(pose);
   if (servo.status != ServoStatus::kReached && servo.status != ServoStatus::kOutsideMap)
     return PathResult{servo.status, servo.reason, servo.cell_in_doubt};
   return play_rad_ ? std::nullopt : find_play();

@@ -62,14 +62,27 @@ class MotorWatch {
     const Eigen::Vector3d speeds =
         steps_ == 0 ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : (motors - motors_) / kPathStep_s;
     std::optional<std::string> objection;
-    for (int i = 0; i < 3 && !objection; ++i) objection = objection_of(i, speeds[i], demand);
+    const Eigen::Vector3d turns = (kPathStep_s / (2.0 * kPi) * speeds).array().round().matrix();
+    if (!turns.isZero()) unwound_ = 2.0 * kPi * turns;
+    for (int i = 0; i < 3 && !objection; ++i)
+      objection =
+          turns[i] != 0.0 ? std::optional(unwinding(i)) : objection_of(i, speeds[i], demand);
     motors_ = motors;
     speeds_ = speeds;
     ++steps_;
     return objection;
   }
+  /// Returns the whole turns by which the motors would unwind at the objection, radians.
+  const std::optional<Eigen::Vector3d>& unwound() const { return unwound_; }
 
  private:
+  static std::string unwinding(int i) {
+    return fmt::format(
+        "motor {} would have to unwind a whole turn, because its limits end here: let the path "
+        "begin elsewhere, divide it, or widen arm.joint_limits_deg",
+        i + 1);
+  }
+
   std::optional<std::string> objection_of(int i, double speed, PathDemand& demand) const {
     const MotorDrive& drive =
         planner_.transmission().settings().drives[static_cast<std::size_t>(i)];
@@ -96,7 +109,37 @@ class MotorWatch {
   const JointPlanner& planner_;
   int steps_{0};
   Eigen::Vector3d motors_{0.0, 0.0, 0.0}, speeds_{0.0, 0.0, 0.0};
+  std::optional<Eigen::Vector3d> unwound_;
 };
+
+/// Does what path_demand() does from one turn of each motor. Where one would unwind, `near` becomes
+/// joints from which it would not.
+PathDemand demand_from(const JointPlanner& planner, const Path& path, const PathTiming& timing,
+                       Joints& near) {
+  PathDemand demand;
+  MotorWatch watch(planner);
+  Joints theta = near;
+  const auto steps = static_cast<int>(std::ceil(timing.duration_s() / kPathStep_s));
+  for (int i = 0; i <= steps; ++i) {
+    const double along_m = timing.along_m(i * kPathStep_s);
+    const TipPose pose = path.at(along_m).pose;
+    const JointPlan plan = planner.plan(pose, theta);
+    theta = plan.theta;
+    if (i == 0) demand.start = theta;
+    demand.refusal = plan.refusal;
+    if (!demand.refusal) demand.refusal = watch.objection(theta, demand);
+    if (!demand.refusal) continue;
+    demand.refusal = fmt::format("{:.1f} mm along the path, at {}: {}", mm(along_m),
+                                 place_mm(pose.p), *demand.refusal);
+    break;
+  }
+  if (watch.unwound()) {
+    const Transmission& transmission = planner.transmission();
+    near = transmission.joints_from_motors(transmission.motors_from_joints(demand.start) +
+                                           *watch.unwound());
+  }
+  return demand;
+}
 
 }  // namespace
 
@@ -155,23 +198,16 @@ PlayProbe measure_play(PlanarRobot& robot, const JointPlanner& planner,
 
 PathDemand path_demand(const JointPlanner& planner, const Path& path, const PathTiming& timing,
                        const Joints& near) {
-  PathDemand demand;
-  MotorWatch watch(planner);
-  Joints theta = near;
-  const auto steps = static_cast<int>(std::ceil(timing.duration_s() / kPathStep_s));
-  for (int i = 0; i <= steps; ++i) {
-    const double along_m = timing.along_m(i * kPathStep_s);
-    const TipPose pose = path.at(along_m).pose;
-    const JointPlan plan = planner.plan(pose, theta);
-    theta = plan.theta;
-    demand.refusal = plan.refusal;
-    if (!demand.refusal) demand.refusal = watch.objection(theta, demand);
-    if (!demand.refusal) continue;
-    demand.refusal = fmt::format("{:.1f} mm along the path, at {}: {}", mm(along_m),
-                                 place_mm(pose.p), *demand.refusal);
-    break;
+  Joints from = near;
+  const PathDemand nearest = demand_from(planner, path, timing, from);
+  // Each motor may have to begin on another turn.
+  for (int tried = 0; tried < 3 && from != near; ++tried) {
+    const Joints before = from;
+    const PathDemand demand = demand_from(planner, path, timing, from);
+    if (!demand.refusal) return demand;
+    if (from == before) break;
   }
-  return demand;
+  return nearest;
 }
 
 void JointHistory::add(double t_s, const Joints& theta) {

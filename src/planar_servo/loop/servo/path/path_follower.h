@@ -57,14 +57,16 @@ PlayProbe measure_play(PlanarRobot& robot, const JointPlanner& planner,
 /// Holds what a path demands of the motors, or why it must not be followed.
 struct PathDemand {
   std::optional<std::string> refusal;  ///< in words, with the place on the path
+  Joints start{0.0, 0.0, 0.0};         ///< where it begins
   /// The greatest share of its speed that a motor needs, and which motor that is.
   double speed_share{0.0};
   int fastest_motor{0};  ///< counts from 0
 };
 
-/// Follows the path without moving, in steps of kPathStep_s, from joints near to `near`. It refuses
-/// what the planner refuses, and motors that would have to be faster, or to speed up faster, than
-/// their drives do; a tenth of both is kept for the corrections.
+/// Follows the path without moving, in steps of kPathStep_s, from joints near to `near`, or from
+/// another turn of the motors where these would come to the end of their limits on the way. It
+/// refuses what the planner refuses, and motors that would have to be faster, or to speed up
+/// faster, than their drives do; a tenth of both is kept for the corrections.
 PathDemand path_demand(const JointPlanner& planner, const Path& path, const PathTiming& timing,
                        const Joints& near);
 
