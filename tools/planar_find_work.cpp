@@ -19,7 +19,9 @@ const ProgramText kText{
     "planar-find-work",
     "planar-find-work --cell cell.yaml --drawing work.csv -o work.yaml [--near X,Y[,TURN]]\n"
     "                     [--within MM] [--map rigid|similarity|affine] [--all]\n"
-    "                     [--drawing-sigma-mm S] [--exposure-ms T] [--image FILE ...]",
+    "                     [--drawing-sigma-mm S] [--exposure-ms T] [--frames N] [--image FILE "
+    "...]\n"
+    "                     [--no-error-map] [--accept-stale] [--report FILE.html|none]",
     R"(works               1
 origin              (187.352, 241.018) mm
 turned by           12.0034 deg
@@ -63,9 +65,7 @@ void add_options(CLI::App& app, Options& options) {
             "expose for so long, where the marks are darker than the lamps; by default as the "
             "camera is set")
       ->check(CLI::PositiveNumber);
-  app.add_option("--frames", options.frames, "pictures to take")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+  add_default(app, "--frames", options.frames, "N", "pictures to take")->check(CLI::Range(1, 100));
   add_value(app, "--image", options.images, "FILE",
             "whole pictures of the camera that were taken before, instead of new ones");
   app.add_flag("--no-error-map", options.no_error_map, "use vision without the error map");
@@ -92,10 +92,10 @@ std::optional<double> exposure_of(const Options& options) {
   return options.exposure_ms * kMillisecond;
 }
 
-std::vector<Frame> new_frames(const Options& options, const CellSettings& cell) {
+WorkFrames new_frames(const Options& options, const CellSettings& cell) {
   heed_interrupts();
   const auto devices = open_cell(cell);
-  return whole_frames(devices->camera(), options.frames, exposure_of(options));
+  return frames_of_work(devices->camera(), options.frames, exposure_of(options));
 }
 
 Outcome find(const Options& options) {
@@ -107,10 +107,11 @@ Outcome find(const Options& options) {
   const CalibratedCell cell = read_calibrated_cell(settings, !options.no_error_map);
   require_calibrated(cell);
   accept_stale(cell.stale, options.accept_stale);
-  const std::vector<Frame> frames = options.images.empty() ? new_frames(options, settings)
-                                                           : saved_frames(options.images, settings);
+  const WorkFrames frames = options.images.empty()
+                                ? new_frames(options, settings)
+                                : WorkFrames{saved_frames(options.images, settings)};
   const std::vector<FoundWork> works =
-      find_work(frames, *cell.vision, drawing, settings_of(options));
+      find_work(frames.of_marks, *cell.vision, drawing, settings_of(options), frames.of_lamps);
   for (const FoundWork& work : works)
     for (const std::string& remark : work.remarks)
       spdlog::warn((work.id.empty() ? "" : "work " + work.id + ": ") + remark);
@@ -118,7 +119,7 @@ Outcome find(const Options& options) {
              work_text({options.out, exposure_of(options), works},
                        work_origins(settings, options.drawing, uses_error_map(cell)), kText.name));
   Outcome outcome = told(work_list(works));
-  if (page) write_page(*page, work_page(works, frames.front().image, options.out));
+  if (page) write_page(*page, work_page(works, frames.of_marks.front().image, options.out));
   return outcome;
 }
 

@@ -117,15 +117,15 @@ struct Picture {
   ImageMotion motion;
 };
 
-/// Returns the frames with the image's motion since the calibration. Throws WorkError when that
-/// cannot be known.
-std::vector<Picture> pictures_of(const std::vector<Frame>& frames,
-                                 const VisionCalibration& vision) {
+/// Returns the frames with the image's motion since the calibration, by each of them or by one of
+/// the lamps. Throws WorkError when that cannot be known.
+std::vector<Picture> pictures_of(const std::vector<Frame>& frames, const VisionCalibration& vision,
+                                 const std::optional<Frame>& of_lamps = {}) {
   std::vector<Picture> pictures;
   pictures.reserve(frames.size());
   ReferenceWatch watch(vision.reference_lamps, CenterMethod::kAuto);
   for (const Frame& frame : frames) {
-    if (!vision.reference_lamps.empty()) watch.look(frame);
+    if (pictures.empty() || !of_lamps) watch.look(of_lamps.value_or(frame));
     if (watch.objection()) throw WorkError(*watch.objection());
     pictures.push_back({frame.image, watch.motion()});
   }
@@ -242,6 +242,25 @@ double distance_sigma(const WorkMarks& marks) {
   return std::sqrt(slope.dot(marks.covariance() * slope));
 }
 
+/// Throws WorkError for a mark that is not where it was from picture to picture: the mean of them
+/// is no place of it.
+void require_rest(const Fiducial& mark, const MeanFiducial& mean) {
+  // Moving air shifts a picture by a few hundredths of a pixel.
+  constexpr double kAir_px = 0.04, kCorner_px = 0.1, kSigmas = 5.0;
+  const double n = static_cast<double>(mean.each_px.size());
+  const double own_px = is_round(mark.kind) ? per_axis(n * mean.covariance_px2) : kCorner_px;
+  const double allowed_px = kSigmas * std::hypot(own_px, kAir_px);
+  double farthest_px = 0.0;
+  for (const Eigen::Vector2d& uv_px : mean.each_px)
+    farthest_px = std::max(farthest_px, (uv_px - mean.uv_px).norm());
+  if (farthest_px > allowed_px)
+    throw WorkError({fmt::format("{} moves from picture to picture, by {:.2f} px from their mean, "
+                                 "where {:.2f} px would be noise",
+                                 mark.id, farthest_px, allowed_px),
+                     "let the work lie still, and give pictures of one place only", "",
+                     Cause::kContradiction});
+}
+
 /// The marks of a place, as seen at calibration and on their plane.
 struct MeasuredMarks {
   std::vector<MeanFiducial> means;
@@ -262,6 +281,7 @@ MeasuredMarks measure_marks(const Constellation& constellation,
                        "clean it, see that nothing touches it, and expose the picture so that it "
                        "stands out",
                        "", Cause::kInsufficient});
+    require_rest(drawing[i], *mean);
     means.push_back(*mean);
     take_off_eccentricity(vision, drawing[i], means.back());
   }
@@ -442,9 +462,9 @@ double lamps_shift_sigma(const Workplane& plane, const Eigen::Vector2d& p_B) {
 }
 
 std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionCalibration& vision,
-                                 const std::vector<Fiducial>& drawing,
-                                 const WorkSettings& settings) {
-  const std::vector<Picture> pictures = pictures_of(frames, vision);
+                                 const std::vector<Fiducial>& drawing, const WorkSettings& settings,
+                                 const std::optional<Frame>& of_lamps) {
+  const std::vector<Picture> pictures = pictures_of(frames, vision, of_lamps);
   const std::vector<MarkCandidate> candidates = candidates_in(pictures.front(), vision, drawing);
   const std::vector<Constellation> found = match_constellation(drawing, candidates, settings.place);
   if (found.size() > 1 && (!settings.all || share_marks(found))) refuse_ambiguous(found);
@@ -525,8 +545,8 @@ std::vector<FoundFiducial> see_marks(const std::vector<Frame>& frames,
 }
 
 WorkMotion look_again(const std::vector<Frame>& frames, const VisionCalibration& vision,
-                      const FoundWork& work) {
-  const std::vector<Picture> pictures = pictures_of(frames, vision);
+                      const FoundWork& work, const std::optional<Frame>& of_lamps) {
+  const std::vector<Picture> pictures = pictures_of(frames, vision, of_lamps);
   WorkMotion motion;
   std::vector<Fiducial> seen;
   std::vector<MeanFiducial> means;

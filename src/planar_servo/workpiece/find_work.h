@@ -51,12 +51,13 @@ struct LaidWorks {
   std::vector<FoundWork> works;
 };
 
-/// Finds the workpieces of a drawing in whole frames of a scene at rest. Throws WorkError when
-/// there is none, when it fits in several ways and not all of them are wanted, and when its marks
-/// contradict the drawing.
+/// Finds the workpieces of a drawing in whole frames of a scene at rest. Reference lamps are looked
+/// for in the frame `of_lamps` where `frames` are exposed for the marks. Throws WorkError when
+/// there is none, when it moves, when it fits in several ways and not all of them are wanted, and
+/// when its marks contradict the drawing.
 std::vector<FoundWork> find_work(const std::vector<Frame>& frames, const VisionCalibration& vision,
-                                 const std::vector<Fiducial>& drawing,
-                                 const WorkSettings& settings);
+                                 const std::vector<Fiducial>& drawing, const WorkSettings& settings,
+                                 const std::optional<Frame>& of_lamps = {});
 
 /// Numbers works by columns along x, and within a column along y. One that lies less than half a
 /// drawing beside its neighbour is of its column, so that a look again numbers them alike.
@@ -99,8 +100,8 @@ struct WorkMotion {
   std::optional<std::string> moved{};  ///< in words, where that is beyond what the looks allow
 };
 
-/// Looks at the marks of a workpiece again, each where it was.
+/// Looks at the marks of a workpiece again, each where it was; `of_lamps` is as for find_work().
 WorkMotion look_again(const std::vector<Frame>& frames, const VisionCalibration& vision,
-                      const FoundWork& work);
+                      const FoundWork& work, const std::optional<Frame>& of_lamps = {});
 
 }  // namespace planar

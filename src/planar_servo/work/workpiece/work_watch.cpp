@@ -44,6 +44,13 @@ std::vector<Frame> whole_frames(FrameSource& camera, int count,
   return frames;
 }
 
+WorkFrames frames_of_work(FrameSource& camera, int count, const std::optional<double>& exposure_s) {
+  WorkFrames frames;
+  if (exposure_s) frames.of_lamps = whole_frames(camera, 1, std::nullopt).front();
+  frames.of_marks = whole_frames(camera, count, exposure_s);
+  return frames;
+}
+
 void write_picture(const std::filesystem::path& file, const cv::Mat& image,
                    const std::vector<int>& how) {
   std::vector<unsigned char> bytes;
@@ -63,11 +70,11 @@ std::string WorkWatch::examine(const StandAside& stand_aside) {
 
 std::string WorkWatch::look() {
   hides_all_ = false;
-  const std::vector<Frame> frames = whole_frames(camera_, kFramesOfWatch, works_->exposure_s);
+  const WorkFrames frames = frames_of_work(camera_, kFramesOfWatch, works_->exposure_s);
   looked_s_ = clock_.now_s();
   std::string hidden;
   for (const FoundWork& work : works_->works) {
-    const WorkMotion motion = look_again(frames, vision_, work);
+    const WorkMotion motion = look_again(frames.of_marks, vision_, work, frames.of_lamps);
     if (motion.moved)
       return *motion.moved +
              "; find it again with planar-find-work, and reach what is left in a "

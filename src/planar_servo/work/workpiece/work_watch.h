@@ -21,6 +21,16 @@ namespace planar {
 std::vector<Frame> whole_frames(FrameSource& camera, int count,
                                 const std::optional<double>& exposure_s);
 
+/// Pictures of works, and one of the reference lamps where the marks have an exposure of their own.
+struct WorkFrames {
+  std::vector<Frame> of_marks;
+  std::optional<Frame> of_lamps{};
+};
+
+/// Takes whole frames of works, exposed as long as given or else as the camera does. Throws as
+/// whole_frames() does.
+WorkFrames frames_of_work(FrameSource& camera, int count, const std::optional<double>& exposure_s);
+
 /// Writes a picture in the form that the name's extension says. `how` is as for cv::imencode().
 void write_picture(const std::filesystem::path& file, const cv::Mat& image,
                    const std::vector<int>& how = {});
