@@ -295,6 +295,13 @@ TEST_CASE("Only a DXF has layers and a unit to be chosen") {
                        Refused(Cause::kInvalid, "part.nc: is no DXF"));
 }
 
+TEST_CASE("A layer is found by its name however the drawing writes letters") {
+  const DxfFile file;
+  for (const char* written : {"B\xF6hrung 3", "B\xC3\xB6hrung 3"})
+    CHECK(file.read(dxf(line_entity(300, 0, 310, 0, written)), {{"B\xC3\xB6hrung 3"}, {}})
+              .strokes.size() == 1);
+}
+
 TEST_CASE("A drawing's unit is its header's, and asked for where that has none") {
   const DxfFile file;
   const std::string line = line_entity(10, 0, 11, 0);

@@ -38,6 +38,21 @@ TEST_CASE("A table is read as spreadsheets save it") {
   }
 }
 
+TEST_CASE("A column that is misnamed is told from the others whatever separates them") {
+  for (const char* header : {"Nr;x_mm\nA;1\n", "Nr\tx_mm\nA\t1\n", "Nr,x_mm\nA,1\n"})
+    CHECK_THROWS_MATCHES(
+        Saved(header), InputError,
+        Refused(Cause::kMissing, "lacks the column id; needed are id, x_mm; it has Nr, x_mm"));
+}
+
+TEST_CASE("Letters as spreadsheets for Windows write them are read in UTF-8") {
+  for (const char* text : {"id;x_mm\nLoch \xE4;1\n", "id;x_mm\nLoch \xC3\xA4;1\n"}) {
+    Saved saved(text);
+    REQUIRE(saved.file.next_row());
+    CHECK(saved.file.text("id") == "Loch \xC3\xA4");
+  }
+}
+
 TEST_CASE("What is no table in text is named by its kind") {
   const std::pair<const char*, const char*> kinds[] = {
       {"\xFF\xFEi", "UTF-16"},  {"PK\x03\x04", ".xlsx"},   {"G21\nG90\nG0 X200 Y100\n", "G-code"},

@@ -13,6 +13,17 @@ namespace {
 
 constexpr unsigned char kDelete = 0x7f;
 
+bool is_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[at++]);
+    if (lead < 0x80) continue;
+    if (lead < 0xc2 || lead > 0xf4) return false;
+    for (int more = lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3; more > 0; --more, ++at)
+      if (at == text.size() || (static_cast<unsigned char>(text[at]) & 0xc0U) != 0x80) return false;
+  }
+  return true;
+}
+
 /// Returns whether the text begins with a control character from U+0080 to U+009F in UTF-8.
 bool begins_with_c1(std::string_view text) {
   return text.size() >= 2 && text[0] == '\xc2' && static_cast<unsigned char>(text[1]) < 0xa0;
@@ -36,6 +47,17 @@ std::size_t letters_apart(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+std::string in_utf8(std::string_view text) {
+  if (is_utf8(text)) return std::string(text);
+  std::string utf8;
+  for (const char letter : text) {
+    const auto code = static_cast<unsigned char>(letter);
+    if (code >= 0x80) utf8 += static_cast<char>(0xc0U | code >> 6U);
+    utf8 += code < 0x80 ? letter : static_cast<char>(0x80U | (code & 0x3fU));
+  }
+  return utf8;
+}
 
 std::string fixed(double value, int places) {
   std::string text = fmt::format("{:.{}f}", value, places);

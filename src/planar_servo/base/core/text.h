@@ -63,6 +63,10 @@ std::string place_mm(const Eigen::Vector2d& p);
 /// Writes a time as roughly as it can be estimated: "about 40 s", "about 2 h 10 min".
 std::string about_time(double seconds);
 
+/// Returns a text in UTF-8. One that is not is taken as Latin-1, in which spreadsheets and CAD
+/// programs for Windows write.
+std::string in_utf8(std::string_view text);
+
 /// Returns the text for a terminal: every control character but the line end and the tabulator is
 /// written as `\x1b`, so that what stands in a file or comes from a port controls no terminal.
 std::string visible(std::string_view text);

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cstring>
 
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/io/atomic_file.h"
 
 namespace planar {
@@ -115,7 +116,7 @@ CsvTable::CsvTable(std::filesystem::path source, const std::string& kind,
 bool CsvTable::take_line(std::string_view line, int line_number) {
   if (line_number == 1 && starts_with(line, kByteOrderMark))
     line.remove_prefix(kByteOrderMark.size());
-  line_ = trimmed(line);
+  line_ = in_utf8(trimmed(line));
   line_number_ = line_number;
   if (!has_header())
     if (const auto other = other_kind(line)) throw InputError(other->at(source_));
@@ -157,10 +158,12 @@ void CsvTable::take_separator(char separator) {
 }
 
 void CsvTable::find_separator() {
+  const bool has_commas = split_fields(line_, ',').size() > 1;
   for (const char separator : {';', '\t'}) {
     const auto names = split_fields(line_, separator);
     const auto is_there = [&](const std::string& column) { return has(names, column); };
-    if (names.size() > 1 && std::all_of(required_.begin(), required_.end(), is_there))
+    if (names.size() > 1 &&
+        (!has_commas || std::all_of(required_.begin(), required_.end(), is_there)))
       return take_separator(separator);
   }
 }

@@ -31,12 +31,12 @@ struct CsvDialect {
 
 /// Reads a CSV table line by line and holds the current row only. Columns are found by name, in any
 /// order. `#` comments, blank lines and rows, and columns behind the last that has a name are
-/// skipped. Where the dialect's separator is a comma, a line `sep=;` or a header that has the
-/// columns by it says that it is a semicolon (then with decimal commas) or a tab. Extra columns are
-/// ignored, unless they look like one of ours that is not there. A field in quotes [RFC 4180] may
-/// hold the separator and line ends. The first line may be `# format: planar-servo/<kind>/1`;
-/// another format there is refused. Faults of rows are collected with FILE:LINE and thrown all at
-/// once.
+/// skipped. Where the dialect's separator is a comma, a line `sep=;`, a header that has the columns
+/// by it or one without commas says that it is a semicolon (then with decimal commas) or a tab.
+/// Letters that are not UTF-8 are Latin-1's. Extra columns are ignored, unless they look like one
+/// of ours that is not there. A field in quotes [RFC 4180] may hold the separator and line ends.
+/// The first line may be `# format: planar-servo/<kind>/1`; another format there is refused. Faults
+/// of rows are collected with FILE:LINE and thrown all at once.
 class CsvTable {
  public:
   /// Begins without a header or a row. `source` names the file in messages, `optional` the columns

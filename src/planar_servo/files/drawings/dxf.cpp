@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/csv_fields.h"
@@ -66,7 +67,7 @@ std::vector<Group> groups_of(const std::string& text, const std::string& file) {
       throw InputError({fmt::format("'{}' is no group code", trimmed(code)),
                         "save the drawing as ASCII DXF; a binary one is not read",
                         fmt::format("{}:{}", file, line - 1)});
-    groups.push_back({static_cast<int>(*number), std::string(trimmed(value)), line});
+    groups.push_back({static_cast<int>(*number), in_utf8(trimmed(value)), line});
   }
   return groups;
 }
