@@ -17,8 +17,8 @@ namespace {
 const ProgramText kText{
     "planar-record",
     "planar-record --cell cell.yaml --plan plan.csv --out RECORDING [--home] [--at-marks]\n"
-    "                     [--grid circles:COLSxROWS:PITCHmm] [--display auto|none]\n"
-    "                     [--on-bad-reading repeat|skip|stop]\n"
+    "                     [--nearest-turn] [--grid circles:COLSxROWS:PITCHmm]\n"
+    "                     [--display auto|none] [--on-bad-reading repeat|skip|stop]\n"
     "       planar-record --cell cell.yaml --bar bar.csv [--bar-places N] --out DIR",
     "1 positions recorded (0 were there before): 3 frames, 1 of them full\n"
     "recording: RECORDING\n"
@@ -55,7 +55,7 @@ void add_options(CLI::App& app, Options& options) {
   bar->excludes(plan)->excludes(grid)->excludes(display);
   add_default(app, "--bar-places", options.bar_places, "N", "how many places of the bar")
       ->needs(bar)
-      ->check(within(1, 99));
+      ->check(CLI::Range(1, 99));
   add_choice(app, "--on-bad-reading", options.request.on_bad_reading, kBadReadings,
              "what happens to a place without a good tracker reading: it is taken "
              "again up to twice, left out, or the recording stops");

@@ -31,14 +31,16 @@ namespace fs = std::filesystem;
 
 const ProgramText kText{
     "planar-servo",
-    "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--no-error-map] [--resume]\n"
-    "                    [--centre METHOD] [--display auto|none] [--home] [--at-marks]\n"
-    "                    [--accept-stale] [--accept-map] [--no-health] [--keep-going] [--judged] "
-    "[--forget]\n"
+    "planar-servo --cell cell.yaml --targets targets.csv --out DIR [--work work.yaml]\n"
+    "                    [--tool NAME] [--layers NAME,...] [--drawing-unit UNIT] [--no-error-map]\n"
+    "                    [--resume] [--centre METHOD] [--display auto|none] [--home] [--at-marks]\n"
+    "                    [--nearest-turn] [--accept-stale] [--accept-map] [--no-health]\n"
+    "                    [--keep-going] [--judged] [--forget]\n"
     "       planar-servo --cell cell.yaml --targets targets.csv --dry-run | --check\n"
-    "       ... | planar-servo --cell cell.yaml --targets - --out DIR\n"
-    "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...] "
-    "[--no-vision|--compare]",
+    "                    [--report FILE.html]\n"
+    "       ... | planar-servo --cell cell.yaml --targets - --out DIR [--require-end]\n"
+    "       planar-servo --cell cell.yaml --path path.csv --out DIR [--speed-mm-s V,...]\n"
+    "                    [--no-vision|--compare] [--work work.yaml]",
     R"(2 of 2 targets reached, 1 correction and 2.87 s each
 against the truth: the arm alone 0.9240 mm mean; with vision 0.0130 mm mean, 0.0130 rms, 0.0134 at 95 %, 0.0135 max
 log and report: DIR)"};
@@ -235,7 +237,11 @@ TargetsIn drawn_targets(const Options& options) {
 
 TargetsIn targets_in(const Options& options, CellTools& tools) {
   TargetsIn targets = drawn_targets(options);
-  if (options.request.works) targets.rows = on_works(targets.rows, options.request.works->works);
+  if (const auto& laid = options.request.works) {
+    if (const auto doubt = doubt_on_work(targets.rows, laid->works.front()))
+      spdlog::warn(doubt->at(options.targets.string()).text());
+    targets.rows = on_works(targets.rows, laid->works);
+  }
   targets.rows = tools.with_tips(targets.rows);
   return targets;
 }
@@ -449,6 +455,11 @@ Outcome work(const Options& given) {
     throw InputError(Refusal{"--report draws what --check or --dry-run find for a table or drawing",
                              "add one of them; a run writes its report into DIR"});
   if (!options.report.empty()) require_writable(options.report, "page");
+  const fs::path& goals = options.path.empty() ? options.targets : options.path;
+  if (!is_drawing(goals) && (!options.drawing.layers.empty() || !options.drawing_unit.empty()))
+    throw InputError({"is no DXF, whose layers and unit could be chosen",
+                      "leave --layers and --drawing-unit out; tables are in millimetres",
+                      from_stdin(options) ? kStdin : goals.string()});
   if (options.require_end && !from_stdin(options))
     throw InputError(Refusal{"--require-end is for targets on standard input", "add --targets -"});
   const auto cell = std::make_shared<CalibratedCell>(

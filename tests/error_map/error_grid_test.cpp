@@ -40,7 +40,7 @@ TEST_CASE("A grid is as coarse as a tenth of the deviation allows") {
   const ErrorField bowl = field_over(kSquare, [](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(kCurvature * p.x() * p.x(), 0.0);
   });
-  const SampledError found = sample_error(bowl, GridReading::kBilinear);
+  const SampledError found = sample_error(bowl);
   const double step = found.grid.step;
   CHECK(found.interpolation_max == Approx(kCurvature * step * step / 4.0).epsilon(1e-6));
   CHECK(found.interpolation_share == Approx(found.interpolation_max / kSigma));
@@ -50,36 +50,24 @@ TEST_CASE("A grid is as coarse as a tenth of the deviation allows") {
   CHECK(found.grid.inside.count() > found.grid.nodes() / 2);
 }
 
-TEST_CASE("Triangles read a twisted error worse than cells do, and get a finer grid") {
-  const ErrorField twist = field_over(
-      kSquare, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(0.0, 0.01 * p.x() * p.y()); });
-  const SampledError cells = sample_error(twist, GridReading::kBilinear);
-  const SampledError triangles = sample_error(twist, GridReading::kTriangles);
-  CHECK(cells.interpolation_max < kRounding);
-  CHECK(triangles.grid.step < 0.7 * cells.grid.step);
-  CHECK(triangles.interpolation_share <= kInterpolationShare);
-}
-
 TEST_CASE("A step that is too coarse, and an error that no grid holds, are refused") {
   const ErrorField waves = field_over(kSquare, [](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(1e-5 * std::sin(p.x() / 1e-3), 0.0);
   });
-  CHECK_THROWS_MATCHES(sample_error(waves, GridReading::kBilinear, 0.02), InputError,
+  CHECK_THROWS_MATCHES(sample_error(waves, 0.02), InputError,
                        Refused(Cause::kInvalid, "a step of 20 mm"));
   const ErrorField noise = field_over(kSquare, [](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(1e-3 * std::sin(p.x() / 1e-6), 0.0);
   });
-  CHECK_THROWS_MATCHES(sample_error(noise, GridReading::kBilinear), InputError,
-                       Refused(Cause::kInvalid, "100000"));
+  CHECK_THROWS_MATCHES(sample_error(noise), InputError, Refused(Cause::kInvalid, "100000"));
   ErrorField unstated = waves;
   unstated.predict = [](const Eigen::Vector2d&) {
     return ErrorPrediction{{0.0, 0.0}, std::nan(""), true};
   };
   unstated.sigma_if_unstated = std::nan("");
-  CHECK_THROWS_MATCHES(sample_error(unstated, GridReading::kBilinear), InputError,
-                       Refused(Cause::kMissing));
-  CHECK_THROWS_MATCHES(sample_error(field_over({}, waves.error), GridReading::kBilinear),
-                       InputError, Refused(Cause::kInvalid, "hull"));
+  CHECK_THROWS_MATCHES(sample_error(unstated), InputError, Refused(Cause::kMissing));
+  CHECK_THROWS_MATCHES(sample_error(field_over({}, waves.error)), InputError,
+                       Refused(Cause::kInvalid, "hull"));
 }
 
 TEST_CASE("A grid is fine enough to have nodes in a narrow region, and ends where none can") {
@@ -90,12 +78,11 @@ TEST_CASE("A grid is fine enough to have nodes in a narrow region, and ends wher
   line.predict = [region](const Eigen::Vector2d& p) {
     return ErrorPrediction{{0.0, 0.0}, kSigma, region.contains(p)};
   };
-  const ErrorGrid grid = sample_error(line, GridReading::kBilinear).grid;
+  const ErrorGrid grid = sample_error(line).grid;
   CHECK(grid.inside.count() > 4);
   CHECK(grid.step <= 0.025);
   const double huge = 1.7e308;
-  CHECK_THROWS_MATCHES(sample_error(field_over({{-huge, 0.0}, {huge, 0.0}, {0.0, huge}}, zero),
-                                    GridReading::kBilinear),
+  CHECK_THROWS_MATCHES(sample_error(field_over({{-huge, 0.0}, {huge, 0.0}, {0.0, huge}}, zero)),
                        InputError, Refused(Cause::kInvalid, "100000"));
 }
 
@@ -105,7 +92,7 @@ TEST_CASE("Where the field states no deviation the given one is taken, and the g
     return ErrorPrediction{1e-3 * p, std::nan(""), true};
   };
   field.sigma_if_unstated = 2e-5;
-  const SampledError found = sample_error(field, GridReading::kBilinear);
+  const SampledError found = sample_error(field);
   CHECK(found.sigma_median == 2e-5);
   CHECK(found.grid.sigmas.array().isNaN().all());
 }
@@ -114,7 +101,7 @@ TEST_CASE("Far beyond the valid region a grid holds the error at its edge") {
   const ErrorField steep = field_over(disc(0.2), [](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(0.01 * p.squaredNorm(), 0.0);
   });
-  const ErrorGrid grid = sample_error(steep, GridReading::kBilinear).grid;
+  const ErrorGrid grid = sample_error(steep).grid;
   const double edge = 0.2 + 1.5 * grid.step;
   CHECK_FALSE(grid.inside[0]);
   CHECK(grid.node(0).norm() > edge + grid.step);

@@ -168,8 +168,9 @@ TEST_CASE("Every table comes back as it was written, whatever its texts contain"
       result.reason = random.text();
       result.iterations = random.below(12);
       result.seconds = 0.125 * random.below(100);
-      for (const ResultError& error : result_errors())
-        result.*error.error = random.optional_point();
+      for (auto* error : {&result.before_own, &result.after_own, &result.before_judged,
+                          &result.after_judged, &result.vision_raw, &result.vision_compensated})
+        *error = random.optional_point();
       result.uncertainty_m = random.optional_number();
       result.sigma_judged_m = random.optional_number();
       result.not_judged = random.text();

@@ -30,6 +30,7 @@ assert abs(found["turn_deg"] - 12) < 0.03, found
 END
 
 printf 'id,x_mm,y_mm,phi_deg\nT1,20,20,\nT2,70,40,0\n' >targets.csv
+expect 2 "targets.csv: is no DXF" "${servo[@]}" --work work.yaml --targets targets.csv --check --drawing-unit inch
 "${servo[@]}" --work work.yaml --targets targets.csv --out run
 python3 - <<'END' || fail "targets are not those of the drawing: $(cat run/results.csv)"
 import csv, math
@@ -126,9 +127,18 @@ status=0
 "${servo[@]}" --work slid.yaml --path part.nc --out slid_path >out.txt 2>err.txt || status=$?
 [ $status -eq 1 ] && grep -q "has moved since it was found" out.txt err.txt || fail "a path on it ended with $status: $(cat out.txt err.txt)"
 
+# Fixed lamps are looked for as the camera exposes, however long the marks are exposed.
+cp -r "$repository/calib/workshop" fixed
+"$bin/planar-virtual-cell" put --cell fixed/cell.yaml --drawing work.csv --at 200,150,12 >/dev/null
+"$bin/planar-find-work" -q --cell fixed/cell.yaml --drawing work.csv -o fixed/work.yaml --exposure-ms 16 --report none
+"$bin/planar-servo" -q --cell fixed/cell.yaml --no-health --work fixed/work.yaml --targets targets.csv --out fixed/run \
+  >out.txt 2>err.txt || fail "a work with an exposure of its own ended the run: $(cat out.txt err.txt)"
+
 # What is wrong is named, and no file is written.
-put 200,150,12
 made=("${find_work[@]}" -o made)
+put 200,150,12 --slide 0.1,2,0,0
+expect 1 "F[1-4] moves from picture to picture" "${made[@]}" --drawing work.csv
+put 200,150,12
 variant() { sed "$1" work.csv >other.csv; }
 variant 's/95,65/95,65.4/'
 expect 1 "F3 is 0\.[0-9]* mm from where" "${made[@]}" --drawing other.csv --drawing-sigma-mm 0.005

@@ -34,6 +34,16 @@ TEST_CASE("Targets in metres are refused where none can be reached, and question
   CHECK(target_doubts(mixed, kWideRing).empty());
 }
 
+TEST_CASE("Targets on a work are questioned where its drawing is larger by far") {
+  FoundWork work;
+  work.fiducials.resize(2);
+  work.fiducials[1].fiducial.p_W = {0.1, 0.0};
+  const auto doubt = doubt_on_work(written_targets(0.02, 0.04, {0.0}), work);
+  REQUIRE(doubt);
+  CHECK_THAT(doubt->fault, Catch::Contains("0.04 mm") && Catch::Contains("100 mm"));
+  CHECK_FALSE(doubt_on_work(written_targets(20.0, 0.04, {0.0}), work));
+}
+
 TEST_CASE("Directions that look like radians are questioned, and hold nothing up") {
   const auto targets = written_targets(200.0, 100.0, {1.5708, -3.1416, 0.0});
   const std::vector<Refusal> doubts = target_doubts(targets, kWideRing);

@@ -127,8 +127,11 @@ TEST_CASE("An answer leaves out what is not known of a result") {
   CHECK(answer["x_mm"].get<double>() == Approx(200.0));
   CHECK(answer["after_own_view_mm"].get<double>() == Approx(0.005));
   CHECK(answer["after_own_view_dx_mm"].get<double>() == Approx(0.003));
+  CHECK(answer["reason"] == "");
+  CHECK(answer["iterations"] == 0);
   CHECK_FALSE(answer.contains("after_truth_mm"));
   CHECK_FALSE(answer.contains("uncertainty_mm"));
+  CHECK_FALSE(answer.contains("not_judged"));
 }
 
 }  // namespace

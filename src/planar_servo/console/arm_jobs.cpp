@@ -64,7 +64,7 @@ std::size_t whole_mm(double metres) {
 
 /// Returns how a path went, in words: as it was seen, or else why its end was not reached.
 std::string words_of(const PathSpeedResult& result) {
-  std::string words = fmt::format("{:g} mm/s by {}: {}", result.speed_m_s / kMillimetre,
+  std::string words = fmt::format("{:g} mm/s by {}: {}", mm(result.speed_m_s),
                                   name_in(kGuidances, result.guidance), name(result.status));
   if (!result.reason.empty()) return words + ": " + result.reason;
   if (!result.own_view) return words;

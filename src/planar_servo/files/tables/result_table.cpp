@@ -48,15 +48,15 @@ const TableSchema<JudgedMove>& cycle_schema() {
   return cycles;
 }
 
-/// Lists the columns of one error. Its length is for people; when reading, it follows from the
-/// components.
+/// Lists the columns of one error: its length and its components. The length is for people; when
+/// reading, it follows from the components.
 void list_error(Columns& columns, const char* name, std::optional<Eigen::Vector2d>& field,
-                Column need) {
-  const auto [length_mm, dx_mm, dy_mm] = ResultError{name, nullptr}.columns();
+                Column need = Column::kRequired) {
+  const auto column = [&](const char* part) { return fmt::format("{}{}_mm", name, part); };
   std::optional<double> length;
   if (field) length = field->norm();
-  columns.optional_number(length_mm, length, kMillimetre, 6, need);
-  columns.optional_point(dx_mm, dy_mm, field, kMillimetre, 6, need);
+  columns.optional_number(column(""), length, kMillimetre, 6, need);
+  columns.optional_point(column("_dx"), column("_dy"), field, kMillimetre, 6, need);
 }
 
 /// Lists what a tracker judged under its own name. For one version the columns of the truth have
@@ -85,8 +85,12 @@ const TableSchema<TargetResult>& result_schema() {
         columns.number("seconds", result.seconds, 1.0, 3);
         columns.optional_number("uncertainty_mm", result.uncertainty_m, kMillimetre, 6,
                                 Column::kRequired);
-        for (const ResultError& error : result_errors())
-          list_error(columns, error.name, result.*error.error, Column::kRequired);
+        list_error(columns, "before_own_view", result.before_own);
+        list_error(columns, "after_own_view", result.after_own);
+        list_error(columns, "before_truth", result.before_judged);
+        list_error(columns, "after_truth", result.after_judged);
+        list_error(columns, "vision_raw", result.vision_raw);
+        list_error(columns, "vision_compensated", result.vision_compensated);
         columns.optional_number("sigma_truth_mm", result.sigma_judged_m, kMillimetre, 6);
         columns.text("not_judged", result.not_judged, Column::kOptional);
         columns.optional_point("believed_dx_mm", "believed_dy_mm", result.believed, kMillimetre, 6);
@@ -172,27 +176,16 @@ std::vector<JudgedMove> read_cycles(const std::filesystem::path& path) {
   return TableFile<JudgedMove>(path, cycle_schema()).any_rows();
 }
 
-std::array<std::string, 3> ResultError::columns() const {
-  return {fmt::format("{}_mm", name), fmt::format("{}_dx_mm", name), fmt::format("{}_dy_mm", name)};
-}
-
-const std::vector<ResultError>& result_errors() {
-  static const std::vector<ResultError> errors{
-      {"before_own_view", &TargetResult::before_own},
-      {"after_own_view", &TargetResult::after_own},
-      {"before_truth", &TargetResult::before_judged},
-      {"after_truth", &TargetResult::after_judged},
-      {"vision_raw", &TargetResult::vision_raw},
-      {"vision_compensated", &TargetResult::vision_compensated}};
-  return errors;
-}
-
 std::string results_header(const std::vector<std::string>& remarks) {
   return result_schema().header(remarks);
 }
 
 std::string result_line(const TargetResult& result) {
-  return result_schema().line(result);
+  return result_columns(result).line();
+}
+
+Columns result_columns(const TargetResult& result) {
+  return result_schema().columns(result);
 }
 
 void write_results(const std::filesystem::path& path, const std::string& header,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,6 +11,8 @@
 #include "planar_servo/loop/servo/servo_result.h"
 
 namespace planar {
+
+class Columns;
 
 /// What a move of a certificate is judged for.
 enum class CertificatePart {
@@ -87,20 +88,11 @@ struct TargetResult {
   bool judged_by_tracker() const { return sigma_judged_m || !not_judged.empty(); }
 };
 
-/// Names one of the errors of a result. Each has three columns: its length and its components.
-struct ResultError {
-  const char* name;
-  std::optional<Eigen::Vector2d> TargetResult::*error;
-
-  std::array<std::string, 3> columns() const;
-};
-
-/// Returns all errors of a result, in the order of the columns.
-const std::vector<ResultError>& result_errors();
-
 // The table grows: the header first, then a line at a time.
 std::string results_header(const std::vector<std::string>& remarks = {});
 std::string result_line(const TargetResult& result);
+/// Returns the columns with the fields of this row.
+Columns result_columns(const TargetResult& result);
 
 /// Writes the whole table anew.
 void write_results(const std::filesystem::path& path, const std::string& header,

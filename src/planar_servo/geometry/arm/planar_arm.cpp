@@ -154,7 +154,7 @@ std::optional<std::string> Workspace::violation(const Eigen::Vector2d& p_B) cons
   if (!(radius >= radius_min_m && radius <= radius_max_m))
     return fmt::format(
         "{} is {:.3f} mm from the base; the workspace reaches from {:.3f} to {:.3f} mm",
-        place_mm(p_B), radius / kMillimetre, mm(radius_min_m), mm(radius_max_m));
+        place_mm(p_B), mm(radius), mm(radius_min_m), mm(radius_max_m));
   for (const KeepOut& disc : keep_out)
     if ((p_B - disc.p_B).norm() < disc.radius_m)
       return fmt::format("{} lies in the keep-out disc of {:.3f} mm about {}", place_mm(p_B),

@@ -32,7 +32,7 @@ Eigen::Vector2d seen_from(const ErrorField& seen, const Eigen::Vector2d& p) {
       {fmt::format("the error changes so fast near ({:.1f}, {:.1f}) mm that the place seen there "
                    "cannot be found",
                    mm(p.x()), mm(p.y())),
-       "export it by places as seen: grid-csv, numpy or tinshift", "", Cause::kInsufficient});
+       "export it by places as seen: grid-csv or numpy", "", Cause::kInsufficient});
 }
 
 /// Returns the step with two digits in millimetres, and not more than it was.
@@ -93,8 +93,7 @@ double sigma_in_cell(const ErrorField& field, const ErrorGrid& grid, Eigen::Inde
   return std::isfinite(least) ? least : field.sigma_if_unstated;
 }
 
-void judge_cell(const ErrorField& field, GridReading reading, Eigen::Index i,
-                SampledError& sampled) {
+void judge_cell(const ErrorField& field, Eigen::Index i, SampledError& sampled) {
   const ErrorGrid& grid = sampled.grid;
   const double sigma = sigma_in_cell(field, grid, i);
   for (int k = 1; k < kPlacesAcross * kPlacesAcross; ++k) {
@@ -102,8 +101,7 @@ void judge_cell(const ErrorField& field, GridReading reading, Eigen::Index i,
         Eigen::Vector2d(k % kPlacesAcross, k / kPlacesAcross) / static_cast<double>(kPlacesAcross);
     const Eigen::Vector2d p = grid.node(i) + grid.step * share;
     if (!field.region.contains(p)) continue;
-    const double miss =
-        (grid.error_in_cell(i, share, reading) - field.error(p)).cwiseAbs().maxCoeff();
+    const double miss = (grid.error_in_cell(i, share) - field.error(p)).cwiseAbs().maxCoeff();
     sampled.interpolation_max = std::max(sampled.interpolation_max, miss);
     sampled.interpolation_share = std::max(sampled.interpolation_share, miss / sigma);
   }
@@ -124,12 +122,12 @@ void add_deviations(const ErrorField& field, SampledError& sampled) {
                              "fit it again by --method auto", "", Cause::kMissing});
 }
 
-SampledError judged(const ErrorField& field, GridReading reading, ErrorGrid sampled) {
+SampledError judged(const ErrorField& field, ErrorGrid sampled) {
   SampledError result{std::move(sampled)};
   add_deviations(field, result);
   const ErrorGrid& grid = result.grid;
   for (Eigen::Index i = 0; i + grid.columns < grid.nodes(); ++i)
-    if (i % grid.columns + 1 < grid.columns) judge_cell(field, reading, i, result);
+    if (i % grid.columns + 1 < grid.columns) judge_cell(field, i, result);
   return result;
 }
 
@@ -149,18 +147,14 @@ Eigen::Vector2d ErrorGrid::node(Eigen::Index i) const {
   return origin + step * Eigen::Vector2d(static_cast<double>(column), static_cast<double>(row));
 }
 
-Eigen::Vector2d ErrorGrid::error_in_cell(Eigen::Index i, const Eigen::Vector2d& share,
-                                         GridReading reading) const {
+Eigen::Vector2d ErrorGrid::error_in_cell(Eigen::Index i, const Eigen::Vector2d& share) const {
   const Eigen::Vector2d a = errors.col(i), b = errors.col(i + 1), c = errors.col(i + columns),
                         d = errors.col(i + columns + 1);
   const double u = share.x(), v = share.y();
-  if (reading == GridReading::kBilinear)
-    return (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d);
-  return u >= v ? a + u * (b - a) + v * (d - b) : a + v * (c - a) + u * (d - c);
+  return (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d);
 }
 
-SampledError sample_error(const ErrorField& field, GridReading reading,
-                          std::optional<double> step) {
+SampledError sample_error(const ErrorField& field, std::optional<double> step) {
   const Eigen::AlignedBox2d box = box_of(field.region);
   double next = step ? *step : neat(box.sizes().maxCoeff() / kFirstCells);
   for (;;) {
@@ -169,7 +163,7 @@ SampledError sample_error(const ErrorField& field, GridReading reading,
       next = neat(0.5 * next);
       continue;
     }
-    SampledError found = judged(field, reading, std::move(grid));
+    SampledError found = judged(field, std::move(grid));
     if (found.interpolation_share <= kInterpolationShare) return found;
     if (step)
       throw InputError(

@@ -20,12 +20,6 @@ struct ErrorField {
 /// seen then. It throws WorkError where the error changes so fast that this place cannot be found.
 ErrorField over_true_places(const ErrorField& seen);
 
-/// How the error between the nodes of a grid is read.
-enum class GridReading {
-  kBilinear,   ///< within each cell
-  kTriangles,  ///< linear in each half of a cell, parted by the diagonal from its first corner
-};
-
 /// A field at the nodes of a grid of squares. Node 0 has the least x and y; x comes first.
 struct ErrorGrid {
   Eigen::Vector2d origin{0.0, 0.0};  ///< of node 0, metres
@@ -37,9 +31,9 @@ struct ErrorGrid {
 
   Eigen::Index nodes() const { return columns * rows; }
   Eigen::Vector2d node(Eigen::Index i) const;
-  /// Returns the error in the cell from node i on, at these shares of the step along x and y.
-  Eigen::Vector2d error_in_cell(Eigen::Index i, const Eigen::Vector2d& share,
-                                GridReading reading) const;
+  /// Returns the error in the cell from node i on, bilinear between its corners, at these shares of
+  /// the step along x and y.
+  Eigen::Vector2d error_in_cell(Eigen::Index i, const Eigen::Vector2d& share) const;
 };
 
 /// A grid, and what reading it costs at the places within the valid region.
@@ -53,7 +47,7 @@ struct SampledError {
 /// Reading a grid costs at most this share of the stated deviation.
 constexpr double kInterpolationShare = 0.1;
 
-/// A file of more nodes exceeds the 10 MB that PROJ 9.1 reads of a triangulation.
+/// A triangulation of more nodes exceeds the 10 MB that PROJ 9.1 reads.
 constexpr Eigen::Index kMostNodes = 100'000;
 
 /// Samples the field with this step (metres), or else the largest found that is fine enough: at
@@ -61,7 +55,6 @@ constexpr Eigen::Index kMostNodes = 100'000;
 /// there. Nodes beyond the cells that are valid in part have the error of the nearest such place.
 /// Throws InputError for a step that is not fine enough, for more nodes than kMostNodes, and for a
 /// field that is valid nowhere or states no deviation.
-SampledError sample_error(const ErrorField& field, GridReading reading,
-                          std::optional<double> step = std::nullopt);
+SampledError sample_error(const ErrorField& field, std::optional<double> step = std::nullopt);
 
 }  // namespace planar

@@ -236,7 +236,7 @@ std::string ReflectorReadings::fault_of(const TrackerReading& reading, const Tip
   if (moved < kMoved || is_turned || followed > 0.5 * moved) return "";
   return fmt::format(
       "the reading repeats that of '{}': it lies {:.3f} mm from it, while the tool moved {:.1f} mm",
-      last_->id, followed / kMillimetre, moved / kMillimetre);
+      last_->id, mm(followed), mm(moved));
 }
 
 RegisteredTracker::RegisteredTracker(const CellSettings& cell,
@@ -308,7 +308,7 @@ JudgedTip TrackerJudge::tip_of(const TrackerReading& reading, const TipPose& sup
     return not_judged(
         fmt::format("the reading lies {:.1f} mm from where the tool is supposed to be; is the "
                     "reflector on the tool?",
-                    off / kMillimetre));
+                    mm(off)));
   return {p, registered_->sigma(reading), ""};
 }
 

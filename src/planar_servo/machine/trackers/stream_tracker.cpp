@@ -140,7 +140,7 @@ bool RestWindow::is_frozen() const {
 
 std::string RestWindow::scatter_text() const {
   return fmt::format("{} readings scatter by {:.4f} mm per axis, at rest at most by {:.4f} mm",
-                     window_.size(), scatter() / kMillimetre, bound() / kMillimetre);
+                     window_.size(), mm(scatter()), mm(bound()));
 }
 
 Eigen::Vector3d RestWindow::mean() const {

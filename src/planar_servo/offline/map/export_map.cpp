@@ -140,7 +140,7 @@ ExportedMap export_map(const ExportRequest& request) {
   ErrorField field = field_of(record, vision, exported.phi);
   if (use_of(request.format).over_true_places) field = over_true_places(field);
   try {
-    exported.sampled = sample_error(field, GridReading::kBilinear, request.step);
+    exported.sampled = sample_error(field, request.step);
   } catch (const InputError& e) {
     throw InputError(e.refusal().at(request.map));
   }

@@ -235,16 +235,16 @@ constexpr double kNearAxes_m = 1.0 * kMillimetre;
 /// A full turn in radians is a little less.
 constexpr double kRadiansOfTurn = 6.3;
 
+/// `reach` says what reaches how far.
 std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
-                                       const Workspace& workspace) {
+                                       const std::string& reach, double reach_m) {
   double farthest_m = 0.0;
   for (const TargetRow& target : targets)
     farthest_m = std::max(farthest_m, target.p_d.cwiseAbs().maxCoeff());
-  if (targets.empty() || farthest_m >= kNearAxes_m || workspace.radius_max_m <= kNearAxes_m)
-    return std::nullopt;
-  return Refusal{fmt::format("no coordinate is larger than {:g} mm, while the workspace reaches to "
-                             "{:g} mm; metres would be such numbers",
-                             mm(farthest_m), mm(workspace.radius_max_m)),
+  if (targets.empty() || farthest_m >= kNearAxes_m || reach_m <= kNearAxes_m) return std::nullopt;
+  return Refusal{fmt::format("no coordinate is larger than {:g} mm, while {} to {:g} mm; metres "
+                             "would be such numbers",
+                             mm(farthest_m), reach, mm(reach_m)),
                  "write millimetres, such as 200 for 0.2 m", "", Cause::kContradiction};
 }
 
@@ -266,7 +266,19 @@ std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets
                  Cause::kContradiction};
 }
 
+std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
+                                       const Workspace& workspace) {
+  return doubt_of_places(targets, "the workspace reaches", workspace.radius_max_m);
+}
+
 }  // namespace
+
+std::optional<Refusal> doubt_on_work(const std::vector<TargetRow>& drawn, const FoundWork& work) {
+  double reach_m = 0.0;
+  for (const FoundFiducial& mark : work.fiducials)
+    reach_m = std::max(reach_m, mark.fiducial.p_W.cwiseAbs().maxCoeff());
+  return doubt_of_places(drawn, "the work's marks reach", reach_m);
+}
 
 std::vector<Refusal> target_doubts(const std::vector<TargetRow>& targets,
                                    const Workspace& workspace) {

@@ -17,6 +17,7 @@
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/loop/health/health_record.h"
 #include "planar_servo/loop/servo/path/path.h"
+#include "planar_servo/workpiece/find_work.h"
 
 namespace planar {
 
@@ -125,6 +126,10 @@ nlohmann::json dry_run_json(const std::vector<DryRunRow>& rows);
 /// within a millimetre of the base's axes, and directions in radians.
 std::vector<Refusal> target_doubts(const std::vector<TargetRow>& targets,
                                    const Workspace& workspace);
+
+/// Returns what can hardly be meant in a table of targets on a work: places written in metres,
+/// which are all within a millimetre of its drawing's axes.
+std::optional<Refusal> doubt_on_work(const std::vector<TargetRow>& drawn, const FoundWork& work);
 
 /// Logs these doubts. Throws InputError for places in metres if none of them lies in the workspace.
 /// `file` names the table.

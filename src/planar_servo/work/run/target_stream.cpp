@@ -6,7 +6,7 @@
 #include <string>
 
 #include "planar_servo/base/core/error.h"
-#include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/columns.h"
 #include "planar_servo/base/io/csv_table.h"
 #include "planar_servo/work/run/dry_run.h"
 
@@ -57,18 +57,12 @@ StreamEnd answer_targets(std::istream& in, std::ostream& out, TargetLines& lines
 }
 
 Json result_answer(const TargetResult& result) {
-  Json told{{"target", result.id},        {"x_mm", mm(result.p_d.x())},
-            {"y_mm", mm(result.p_d.y())}, {"status", name(result.status)},
-            {"reason", result.reason},    {"iterations", result.iterations},
-            {"seconds", result.seconds}};
-  if (result.uncertainty_m) told["uncertainty_mm"] = mm(*result.uncertainty_m);
-  for (const ResultError& kind : result_errors()) {
-    const auto& error = result.*kind.error;
-    if (!error) continue;
-    const auto columns = kind.columns();
-    told[columns[0]] = mm(error->norm());
-    told[columns[1]] = mm(error->x());
-    told[columns[2]] = mm(error->y());
+  const Columns row = result_columns(result);
+  Json told;
+  for (const WrittenField& field : row.written()) {
+    const bool is_text = field.kind == FieldKind::kText;
+    if (field.text.empty() && !(is_text && field.need == Column::kRequired)) continue;
+    told[field.column] = is_text ? Json(field.text) : Json::parse(field.text);
   }
   return told;
 }
