@@ -117,6 +117,24 @@ TEST_CASE("A halt brakes LinuxCNC at once, and the position stays certain") {
   CHECK(positions(drives) == Targets{0, 0, 0});
 }
 
+TEST_CASE("A move that follows a halt at once is not stopped by it") {
+  REQUIRE_LINUXCNC();
+  LinkedDrives drives = drives_of(machine());
+  make_ready(drives);
+  for (int i = 0; i < 5; ++i) {
+    drives.set_targets({60000, 0, 0});
+    wait(drives, 0.5);
+    drives.halt();
+    const Targets near{positions(drives)[0] - 5000, 0, 0};
+    drives.set_targets(near);
+    REQUIRE(all_rest(drives));
+    CHECK(positions(drives) == near);
+    CHECK(drives.status()[0].faults.empty());
+  }
+  drives.set_targets({0, 0, 0});
+  REQUIRE(all_rest(drives));
+}
+
 /// A process that moves joint A by 60 deg, and tells where it is.
 struct MovingProcess {
   MovingProcess() {

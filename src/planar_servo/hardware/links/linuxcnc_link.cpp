@@ -17,6 +17,7 @@
 #include <map>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "planar_servo/base/core/error.h"
 
@@ -28,12 +29,16 @@ namespace {
 constexpr std::chrono::milliseconds kApart{5};
 /// linuxcncrsh acknowledges after 0.1 s what it has obeyed at once.
 constexpr double kAnswer_s = 1.0, kLateAnswer_s = 0.2;
+/// A busy computer may keep LinuxCNC from answering for a second; positions are lost with the
+/// touch.
+constexpr double kSilence_s = 3.0;
 /// A move that has not begun as long after the order to stop does not begin any more.
 constexpr std::chrono::milliseconds kLostAnswer{1000};
 /// Joints that have not moved by a count for this long, with nothing left to do, rest: where they
 /// were sent, after a stop, and elsewhere. A computer that is busy may tell of no motion meanwhile.
 constexpr std::chrono::milliseconds kStill{40}, kStillStopped{100}, kStillElsewhere{500};
-constexpr std::chrono::milliseconds kStopRepeat{40};
+/// An order to stop is repeated, sooner where nothing was heard of it.
+constexpr std::chrono::milliseconds kStopRepeat{40}, kStopHeard{250};
 constexpr char kAckOf[] = " ACK", kNakOf[] = " NAK";
 
 bool ends(const std::string& text, const std::string& with) {
@@ -218,16 +223,16 @@ std::optional<std::string> RshConnection::hear(double patience_s) {
 
 std::string RshConnection::ask(const std::string& line) {
   send(line);
-  if (auto answer = hear(kAnswer_s)) return *answer;
-  throw WorkError({fmt::format("LinuxCNC does not answer '{}' within {:.0f} s", line, kAnswer_s),
+  if (auto answer = hear(kSilence_s)) return *answer;
+  throw WorkError({fmt::format("LinuxCNC does not answer '{}' within {:.0f} s", line, kSilence_s),
                    "look at the machine; start LinuxCNC again", "", Cause::kDevice});
 }
 
 std::string RshConnection::get(const std::string& what) {
   // A line gets lost where another connection's comes at the same moment, and moves are watched
   // meanwhile: it is asked anew before DeadMansHandle brakes.
-  constexpr int kTries = 16;
-  constexpr std::chrono::duration<double> kSurely{kAnswer_s / kTries};
+  constexpr int kTries = 48;
+  constexpr std::chrono::duration<double> kSurely{kSilence_s / kTries};
   const std::string name = what.substr(0, what.find(' '));
   std::string last;
   for (int i = 0; i < kTries; ++i) {
@@ -246,7 +251,7 @@ std::string RshConnection::get(const std::string& what) {
   if (!last.empty())
     throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, last), Cause::kDevice);
   throw WorkError(
-      {fmt::format("LinuxCNC does not answer 'get {}' within {:.0f} s", what, kAnswer_s),
+      {fmt::format("LinuxCNC does not answer 'get {}' within {:.0f} s", what, kSilence_s),
        "look at the machine; start LinuxCNC again", "", Cause::kDevice});
 }
 
@@ -368,6 +373,8 @@ void LinuxcncLink::set(const std::string& what) {
 }
 
 void LinuxcncLink::take_control() {
+  // Orders to stop that wait to be obeyed would take it back.
+  if (std::exchange(stopper_lags_, false)) stopper_.get("enable");
   hear_mover(kAnswer_s);
   if (awaits_mover_) {  // another connection's answer took its place
     mover_.get("enable");
@@ -497,6 +504,8 @@ void LinuxcncLink::stop() {
   say(stopper_.descriptor(), stop_words(host_));
   std::this_thread::sleep_for(kApart);
   told_to_stop_ = Clock::now();
+  stop_heard_ = false;
+  stopper_lags_ = true;
   if (!stopping_since_) stopping_since_ = told_to_stop_;
   homing_joint_.reset();
   target_.reset();
@@ -558,8 +567,7 @@ MachineState LinuxcncLink::read() {
   const auto now = Clock::now();
   if (state.counts != here_) changed_ = now;
   here_ = state.counts;
-  while (stopper_.hear(0.0)) {
-  }
+  while (stopper_.hear(0.0)) stop_heard_ = true;
   hear_mover(0.0);
   // Motors without current stand anywhere.
   if (was_on_ && !state.on) ++losses_;
@@ -577,7 +585,9 @@ MachineState LinuxcncLink::read() {
   }
   hold(state.moving);
   // A line may get lost where another client asks at the same moment.
-  if (state.moving && told_to_stop_ && now - *told_to_stop_ > kStopRepeat) stop();
+  if (state.moving && told_to_stop_ &&
+      now - *told_to_stop_ > (stop_heard_ ? kStopHeard : kStopRepeat))
+    stop();
   if (!state.moving) {
     told_to_stop_.reset();
     stopping_since_.reset();

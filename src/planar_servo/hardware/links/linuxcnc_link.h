@@ -139,6 +139,8 @@ class LinuxcncLink final : public MachineLink {
   Clock::time_point changed_;
   std::optional<Clock::time_point> told_to_stop_;    ///< until it rests
   std::optional<Clock::time_point> stopping_since_;  ///< the first time of that
+  bool stop_heard_{false};                           ///< of the last order to stop
+  bool stopper_lags_{false};                         ///< it may not have obeyed them all yet
   int losses_{0};
   bool was_switched_on_{false};  ///< by this program
   bool was_on_{false};
