@@ -1,5 +1,3 @@
-#include <spdlog/spdlog.h>
-
 #include "homing_options.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/terminal.h"
@@ -92,10 +90,7 @@ Outcome run(const Options& options) {
   heed_interrupts();
   const auto devices = open_cell(request.cell);
   const RecordReport report = record(request, *devices);
-  for (const std::string& id : report.without_lamps)
-    spdlog::warn(fmt::format("{}: no pair of lamps was seen; its frames are kept", id));
-  const FrameCounts frames = devices->camera().counts();
-  return told(record_list(report, frames, request.recording));
+  return told(record_list(report, devices->camera().counts(), request.recording));
 }
 
 }  // namespace

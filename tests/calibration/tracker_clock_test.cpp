@@ -1,5 +1,6 @@
 #include "planar_servo/calibration/readings/tracker_clock.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -158,6 +159,22 @@ TEST_CASE("A clock that cannot be determined is refused with the reason") {
   for (ToolReading& reading : milliseconds) reading.t_s *= 1000.0;
   CHECK_THROWS_AS(estimate_tracker_clock(bench.frames, milliseconds), InputError);
   CHECK_THROWS_AS(estimate_tracker_clock(bench.frames, {}), InputError);
+}
+
+TEST_CASE("A clock that was set meanwhile is refused, or found as it was in one part") {
+  for (double jump_s = 0.6; jump_s < 16.0; jump_s *= 1.35) {
+    CAPTURE(jump_s);
+    ClockBench bench(30);
+    std::vector<ToolReading> readings = bench.single();
+    for (std::size_t i = 18; i < readings.size(); ++i) readings[i].t_s += jump_s;
+    try {
+      const TrackerClock clock = estimate_tracker_clock(bench.frames, readings);
+      const double off_s = clock.offset_s - bench.offset_s(clock);
+      CHECK(std::min(std::abs(off_s), std::abs(off_s - jump_s)) < 0.7);
+    } catch (const InputError& error) {
+      CHECK(error.refusal().where == "tracker");
+    }
+  }
 }
 
 TEST_CASE("A tour that is made twice leaves it open which one the tracker read") {

@@ -23,6 +23,14 @@ TEST_CASE("Lines of a tracker have names only where their column is told") {
   CHECK(named.next("M1,3,1000,0,0")->t_s == 3.0);
 }
 
+TEST_CASE("The last digit of a reading is told behind a point and behind a comma") {
+  TrackerLines points("wire", {}), commas("wire", {});
+  points.next("x_mm,y_mm,z_mm");
+  commas.next("x_mm;y_mm;z_mm");
+  CHECK(points.next("1000.123,0,0.5")->resolution == Approx(1e-6));
+  CHECK(commas.next("1000,123;0;0,5")->resolution == Approx(1e-6));
+}
+
 TEST_CASE("Half a line of counted columns is a fault, and a longer one is read") {
   TrackerLines lines("wire", {{' ', false, {{"x_mm", "1"}, {"y_mm", "2"}, {"z_mm", "3"}}}});
   CHECK_THROWS_MATCHES(lines.next("1.5 2"), InputError,

@@ -25,6 +25,18 @@ TEST_CASE("Another program's tracker file is read by its own columns") {
   CHECK(read_tracker(path, dialect).at(0).p_L.x() == Approx(1.0005));
 }
 
+TEST_CASE("Where a column is missing the header is named, and where all rows are bad the first") {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("leica.csv", "Measured points\nP;East;Y;Z\nP1;1;2;3\nP2;4;5;6\n");
+  const TrackerDialect dialect{
+      {';', false, {{"id", "P"}, {"x_mm", "X"}, {"y_mm", "Y"}, {"z_mm", "Z"}}}};
+  CHECK_THROWS_MATCHES(read_tracker(path, dialect), InputError,
+                       Refused(Cause::kMissing, "leica.csv:2: there is no column 'X'"));
+  folder.write("leica.csv", "Measured points\nP;X;Y;Z\nP1;1,5;2;3\nP2;4,5;5;6\n");
+  CHECK_THROWS_MATCHES(read_tracker(path, dialect), InputError,
+                       Refused(Cause::kInvalid, "leica.csv:3: x_mm is '1,5'"));
+}
+
 TEST_CASE(
     "Tables of tracker programs are read by counted columns, without header, clock or commas") {
   const test::TemporaryFolder folder;

@@ -208,6 +208,11 @@ TEST_CASE("A cell that nobody can judge is refused by what it lacks") {
   unseen.reflector_known = false;
   CHECK_THROWS_MATCHES(judge_of(cell, unseen), InputError,
                        Refused(Cause::kMissing, cell.tool.string()));
+  const Eigen::Vector3d corner = cell.datum.back().p_B;
+  cell.datum.back().p_B = 0.5 * (cell.datum[0].p_B + cell.datum[1].p_B);
+  CHECK_THROWS_MATCHES(judge_of(cell, sample_tool()), InputError,
+                       Refused(Cause::kMissing, "one line"));
+  cell.datum.back().p_B = corner;
   cell.datum.pop_back();
   CHECK_THROWS_MATCHES(judge_of(cell, sample_tool()), InputError,
                        Refused(Cause::kMissing, "2 monuments"));

@@ -1,8 +1,12 @@
 #include "planar_servo/work/record/recorder.h"
 
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
+#include <sstream>
 
 #include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -69,6 +73,7 @@ class NotingDevices final : public CellDevices,
   std::vector<std::string> asked;    ///< places and monuments, in their order
   double dead_after_reading_s{0.0};  ///< the camera, for so long
   std::string skipped;               ///< this monument is
+  bool stands_elsewhere{false};      ///< what the tracker reads
 
   TrackerAnswer measure_tool(const std::string& place) override {
     asked.push_back(place);
@@ -77,6 +82,7 @@ class NotingDevices final : public CellDevices,
       camera_is_back_s = *camera_dies_s + dead_after_reading_s;
     }
     readings_ += 1.0;
+    if (stands_elsewhere) return {TrackerStatus::kElsewhere};
     if (answers.empty()) return TrackerAnswer::of({0.0, {readings_, 0.0, 0.0}});
     TrackerAnswer answer = answers.front();
     answers.erase(answers.begin());
@@ -85,6 +91,7 @@ class NotingDevices final : public CellDevices,
   void await_tool() override { asked.push_back("tool"); }
   TrackerAnswer measure_monument(const std::string& id) override {
     asked.push_back(id);
+    if (stands_elsewhere) return {TrackerStatus::kElsewhere};
     return id == skipped ? TrackerAnswer{TrackerStatus::kSkipped} : TrackerAnswer::of({});
   }
 
@@ -267,7 +274,7 @@ TEST_CASE("Drives that do not arrive name the place, and the recording can be re
   CHECK(record(request, mended).recorded == 1);
 }
 
-TEST_CASE("Who left after the monuments is asked for the reflector on the tool, later nobody is") {
+TEST_CASE("Who left after monuments is asked for the reflector on the tool, after places nobody") {
   const test::TemporaryFolder folder;
   RecordRequest request{small_cell(), {}, folder.path() / "recording"};
   request.plan = {{"u0", Purpose::kPose, TipPose{{-0.2, 0.3}, 0.0}}};
@@ -285,10 +292,28 @@ TEST_CASE("Who left after the monuments is asked for the reflector on the tool, 
   NotingDevices devices;
   record(request, devices);
   CHECK(devices.asked.front() == "tool");
-  request.plan.push_back({"t1", Purpose::kTrain, TipPose{{0.2, 0.3}, 0.0}});
-  NotingDevices later;
-  record(request, later);
-  CHECK(later.asked.front() == "t1");
+  for (const char* id : {"t1", "t2"})
+    request.plan.push_back({id, Purpose::kTrain, TipPose{{0.2, 0.3}, 0.0}});
+  NotingDevices later;  // the monuments were read at the end
+  later.answers.push_back(TrackerAnswer::of({}));
+  later.answers.resize(4, TrackerAnswer::failed("the beam is broken"));
+  CHECK_THROWS_AS(record(request, later), WorkError);
+  CHECK(Ids(later.asked.begin(), later.asked.begin() + 2) == Ids{"tool", "t1"});
+  NotingDevices last;
+  record(request, last);
+  CHECK(last.asked.front() == "t2");
+}
+
+TEST_CASE("Where readings stand elsewhere, monuments read again end with the reflector's return") {
+  const test::TemporaryFolder folder;
+  RecordRequest request{small_cell(), {}, folder.path() / "recording"};
+  for (const char* id : {"t0", "t1"}) {
+    request.plan.push_back({id, Purpose::kTrain, TipPose{{-0.2, 0.3}, 0.0}});
+    NotingDevices devices;
+    devices.stands_elsewhere = true;
+    record(request, devices);
+    CHECK(*(std::find(devices.asked.begin(), devices.asked.end(), id) - 1) == "tool");
+  }
 }
 
 TEST_CASE("No reading is asked for at a pose that only the camera watches") {
@@ -387,16 +412,40 @@ TEST_CASE("A recording with a skipped monument, or a broken first round, can be 
   request.plan.push_back({"t2", Purpose::kTrain, TipPose{{0.1, 0.31}, 0.0}});
   NotingDevices again;
   CHECK(record(request, again).recorded == 1);
+  // What was read before the first place in the broken round, perhaps from elsewhere, is gone.
+  CHECK(read_tracker(request.recording / "tracker.csv").front().p_L.isZero());
 }
 
-TEST_CASE("A plan of readings is refused where fewer than three monuments tie them to the base") {
+TEST_CASE("A plan of readings is refused where the monuments cannot tie them to the base") {
   const test::TemporaryFolder folder;
   RecordRequest request = two_places(folder);
-  request.cell.datum.pop_back();
+  std::string fault = "datum has 2 monuments";
+  SECTION("too few") {
+    request.cell.datum.pop_back();
+  }
+  SECTION("on one line") {
+    for (Monument& monument : request.cell.datum) monument.p_B.x() = -0.45;
+    request.cell.datum.back().p_B.y() = 0.0;
+    fault = "one line";
+  }
+  SECTION("of one name") {
+    request.cell.datum.back().id = request.cell.datum.front().id;
+    fault = "'datum1' is named twice";
+  }
   NotingDevices devices;
-  CHECK_THROWS_MATCHES(record(request, devices), InputError,
-                       Refused(Cause::kMissing, "datum has 2 monuments"));
+  CHECK_THROWS_MATCHES(record(request, devices), InputError, Refused(Cause::kMissing, fault));
   CHECK(devices.asked.empty());
+}
+
+TEST_CASE("A place with the id of a monument is refused, but not one that nobody reads") {
+  const test::TemporaryFolder folder;
+  RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  request.plan[1].id = "datum2";
+  CHECK_THROWS_MATCHES(record(request, devices), InputError, Refused(Cause::kExists, "'datum2'"));
+  CHECK(devices.asked.empty());
+  request.plan[1].plan = Purpose::kPose;
+  CHECK(record(request, devices).recorded == 2);
 }
 
 TEST_CASE("A place without a good reading is taken again, and the third failure ends the work") {
@@ -440,6 +489,20 @@ TEST_CASE("A reading that stays while the tool moves is a repeated one and named
   devices.answers.assign(4, TrackerAnswer::of({0.0, {2.5, 0.0, 0.0}}));
   CHECK_THROWS_MATCHES(record(request, devices), WorkError,
                        Refused(Cause::kDevice, "'t1': the reading repeats that of 't0'"));
+}
+
+TEST_CASE("A place where no lamps are seen is named at once, not when all are recorded") {
+  const test::TemporaryFolder folder;
+  NotingDevices devices;  // its pictures are black
+  devices.answers.push_back(TrackerAnswer::of({}));
+  devices.answers.resize(4, TrackerAnswer::failed("the beam is broken"));
+  std::ostringstream said;
+  const auto usual = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "said", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+  CHECK_THROWS_AS(record(two_places(folder), devices), WorkError);
+  spdlog::set_default_logger(usual);
+  CHECK(said.str().find("t0: no pair of lamps is seen") != std::string::npos);
 }
 
 TEST_CASE("Somebody who measures by hand may skip a place, repeat it, or keep the reading") {

@@ -109,6 +109,12 @@ TEST_CASE("Readings that are the same to the last digit come from a frozen track
   CHECK(coarse.window.at_rest());
 }
 
+TEST_CASE("Zeros are no reading, however they are written") {
+  RestWindow window(tracker_of(kSigma));
+  for (int i = 0; i < 5; ++i) window.add({"", std::nullopt, {0.0, 0.0, 0.0}, 1e-3}, 10.0 + i);
+  CHECK(window.is_frozen());
+}
+
 TEST_CASE("A slow tracker's reading takes five of its readings, and its clock's time") {
   RestWindow window(tracker_of(kSigma));
   for (int i = 0; i < 5; ++i) {

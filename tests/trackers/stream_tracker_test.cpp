@@ -98,12 +98,27 @@ TEST_CASE("Where lines have names, monuments are read under theirs while the bea
       [&] {
         ++line;
         if (line < 20) return std::string(",,,\n");
+        if (line < 140) return std::string("500.0000,0.0000,0.0000,M2\n");
         return line % 2 == 0 ? tool() : monument();
       },
       bench.writer());
   CHECK(bench.tracker.measure_monument("M2").reading.p_L.x() == Approx(0.3).margin(1e-5));
   CHECK(bench.tracker.measure_tool("t").reading.p_L.x() == Approx(0.7).margin(1e-5));
   CHECK_THAT(bench.tracker.measure_monument("M1").fault, Contains("no reading came for 2 s"));
+}
+
+TEST_CASE("A reflector on a monument is not the tool's, whatever it is called") {
+  StreamBench bench(true);
+  std::atomic<bool> renamed{false};
+  auto old_name = still(300.0, ",M2"), new_name = still(300.0, ",tool");
+  const test::TrackerPlayer player([&] { return renamed ? new_name() : old_name(); },
+                                   bench.writer());
+  CHECK_THAT(bench.tracker.measure_tool("t").fault,
+             Contains("no reading came for 2 s") && Contains("is of 'M2'"));
+  REQUIRE(bench.tracker.measure_monument("M2").status == TrackerStatus::kOk);
+  renamed = true;
+  CHECK_THROWS_MATCHES(bench.tracker.await_tool(), WorkError,
+                       Refused(Cause::kDevice, "lies where 'M2' was read"));
 }
 
 TEST_CASE("After named monuments the work goes on once the reflector rests on the tool") {

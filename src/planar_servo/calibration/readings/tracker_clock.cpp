@@ -147,9 +147,10 @@ std::vector<Meeting> near_line(const ClockLine& line, const std::vector<Meeting>
   constexpr double kFarSigmas = 4.0;
   constexpr double kLeastSigma_s = 1e-3;  // clocks that agree exactly leave rounding only
   const double far_s = kFarSigmas * std::max(robust_sigma(line.left_s), kLeastSigma_s);
+  const double most_s = median(line.left_s);  // where they lie, also when a clock was set meanwhile
   std::vector<Meeting> near;
   for (std::size_t i = 0; i < meetings.size(); ++i)
-    if (std::abs(line.left_s[i]) <= far_s) near.push_back(meetings[i]);
+    if (std::abs(line.left_s[i] - most_s) <= far_s) near.push_back(meetings[i]);
   return near;
 }
 
@@ -309,7 +310,7 @@ std::optional<Candidate> candidate_of(double offset_s, double middle_s,
 
 [[noreturn]] void refuse_clock(const std::string& why, Cause cause = Cause::kInsufficient) {
   throw InputError({"its clock cannot be related to the camera's: " + why,
-                    "check that the column t of the tracker's table is in seconds, or pair by id",
+                    "check that its times are in seconds and no clock was set, or pair by id",
                     "tracker", cause});
 }
 

@@ -76,7 +76,7 @@ std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
   TrackerLines lines(path.string(), named);
   std::istringstream in(read_file(path));
   std::vector<TrackerRow> rows;
-  std::optional<InputError> title;
+  std::optional<InputError> title, telling;  // of what may be a title, and of what is none
   Faults faults;
   for (std::string line; std::getline(in, line);) try {
       const auto reading = lines.next(line);
@@ -85,12 +85,14 @@ std::vector<TrackerRow> read_tracker(const std::filesystem::path& path,
         spdlog::warn("{}: the last line has no end; digits may be missing", path.string());
       rows.push_back({reading->id, reading->t_s.value_or(0.0), reading->p_L});
     } catch (const InputError& error) {
-      const bool is_header = line.find(named.csv.renamed_columns.at("id")) != line.npos;
-      if (rows.empty() && (!title || (is_header && !lines.has_columns()))) title = error;
+      const bool names_id = line.find(named.csv.renamed_columns.at("id")) != line.npos;
+      auto& first = names_id || lines.has_columns() ? telling : title;
+      if (rows.empty() && !first) first = error;
       if (rows.empty()) continue;
       for (const Refusal& refusal : error.refusals()) faults.add(refusal);
     }
   faults.throw_if_any(rows.size());
+  if (telling) title = telling;
   if (rows.empty())
     throw title.value_or(
         InputError({"has no rows", "at least one is needed", path, Cause::kMissing}));
@@ -172,7 +174,7 @@ double TrackerLines::resolution() const {
   std::size_t decimals = 0;
   for (const std::string& coordinate : coordinates()) {
     const std::string_view text = table_.text(coordinate);
-    const std::size_t point = text.find(dialect_.csv.decimal_comma ? ',' : '.');
+    const std::size_t point = text.find_first_of(".,");
     if (point != std::string_view::npos) decimals = std::max(decimals, text.size() - point - 1);
   }
   return dialect_.unit * std::pow(10.0, -static_cast<double>(decimals));

@@ -316,6 +316,21 @@ double TrackerJudge::common_sigma() const {
   return std::sqrt(tool_.covariance.diagonal().segment<2>(2).maxCoeff());
 }
 
+std::string fault_of_datum(const std::vector<Monument>& datum) {
+  constexpr char kNeeded[] = "at least three that are not on one line tie the tracker to the base";
+  if (datum.size() < kLeastMonuments)
+    return fmt::format("datum has {} monument{}, but {}", datum.size(),
+                       datum.size() == 1 ? "" : "s", kNeeded);
+  std::vector<MonumentReading> exact;
+  for (const Monument& monument : datum) exact.push_back({monument.id, monument.p_B});
+  try {
+    register_datum(datum, exact);
+    return "";
+  } catch (const InputError& error) {
+    return fmt::format("datum: {}, but {}", error.refusal().fault, kNeeded);
+  }
+}
+
 void require_judging_tracker(const CellSettings& cell) {
   const auto refuse = [&](const std::string& why, const std::string& remedy) {
     throw InputError({"nobody can judge this cell, which has no virtual truth: " + why, remedy,
@@ -324,11 +339,8 @@ void require_judging_tracker(const CellSettings& cell) {
   if (!cell.tracker.kind->measures())
     refuse("tracker.source is none",
            "set up the tracker and name its source (file, tcp or ask), see doc/tracker.md");
-  if (cell.datum.size() < kLeastMonuments)
-    refuse(fmt::format("datum has {} monument{}, but at least {} that are not on one line tie the "
-                       "tracker to the base",
-                       cell.datum.size(), cell.datum.size() == 1 ? "" : "s", kLeastMonuments),
-           "measure them and write them there");
+  if (const std::string fault = fault_of_datum(cell.datum); !fault.empty())
+    refuse(fault, "measure them and write them there");
 }
 
 JudgeKind judge_of(const CellSettings& cell, const ToolOffsets& tool) {

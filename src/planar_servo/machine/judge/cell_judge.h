@@ -187,8 +187,12 @@ class TrackerJudge final : public Judge {
   std::string loop_;
 };
 
+/// Returns why these monuments cannot tie a tracker to the base, as when they are too few, of one
+/// name or on one line; empty when they can.
+std::string fault_of_datum(const std::vector<Monument>& datum);
+
 /// Throws InputError with a remedy when the tracker of a cell without a truth cannot judge it:
-/// there is none, or fewer than three monuments tie it to the base.
+/// there is none, or its monuments do not tie it to the base.
 void require_judging_tracker(const CellSettings& cell);
 
 /// Returns who judges this cell: its truth if it is virtual, or else its tracker. Throws InputError

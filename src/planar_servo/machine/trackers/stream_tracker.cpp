@@ -26,10 +26,17 @@ constexpr double kLeastBound = 2.0 * kMicrometre;
 
 constexpr char kFrozen[] =
     "the tracker is frozen: its readings are the same to the last digit, which is finer than "
-    "tracker.sigma_mm";
+    "tracker.sigma_mm, or all zero";
 
 constexpr double kStopPeriod_s = 0.2;
 constexpr char kBackOnTool[] = "place the reflector back on the tool";
+
+/// No place of the tool is so near to a monument.
+constexpr double kStillThere = 1.0 * kMillimetre;
+
+std::string of(const StreamedReading& reading) {
+  return fmt::format("is of '{}'", reading.id);
+}
 
 }  // namespace
 
@@ -133,7 +140,7 @@ bool RestWindow::is_frozen() const {
   double resolution = window_.front().reading.resolution;
   for (const Arrived& item : window_) resolution = std::min(resolution, item.reading.resolution);
   const Eigen::Vector3d& first = window_.front().reading.p_L;
-  return resolution <= tracker_.sigma_at(first.norm()) &&
+  return (resolution <= tracker_.sigma_at(first.norm()) || first.isZero(0.0)) &&
          std::all_of(window_.begin(), window_.end(),
                      [&](const Arrived& item) { return item.reading.p_L == first; });
 }
@@ -174,7 +181,7 @@ StreamTracker::StreamTracker(const CellSettings& cell, bool has_ids,
 }
 
 TrackerAnswer StreamTracker::measure_tool(const std::string& /*place*/) {
-  return measure([&](const StreamedReading& reading) { return is_of_tool(reading); });
+  return measure([&](const StreamedReading& reading) { return why_not_of_tool(reading); });
 }
 
 TrackerAnswer StreamTracker::measure_monument(const std::string& id) {
@@ -182,20 +189,28 @@ TrackerAnswer StreamTracker::measure_monument(const std::string& id) {
     spdlog::info(fmt::format(
         "place the reflector on '{0}': it is read once it rests there and {1} calls it '{0}'", id,
         stream_->source()));
-    return wait_for([&](const StreamedReading& reading) { return reading.id == id; });
+    const auto why_not = [&](const StreamedReading& reading) {
+      return reading.id == id ? std::string() : of(reading);
+    };
+    return of_monument(id, measure(why_not, Beam::kBreaks));
   }
   const std::string word = person_->ask(
       fmt::format("place the reflector on '{}' and press Enter; s skips, r repeats: ", id));
   if (word == "s") return {TrackerStatus::kSkipped};
   if (word == "r") return {TrackerStatus::kRepeat};
-  return measure([](const StreamedReading& /*reading*/) { return true; });
+  return of_monument(id, measure([](const StreamedReading& /*reading*/) { return ""; }));
+}
+
+TrackerAnswer StreamTracker::of_monument(const std::string& id, const TrackerAnswer& answer) {
+  if (answer.status == TrackerStatus::kOk) left_at_ = {id, answer.reading.p_L};
+  return answer;
 }
 
 void StreamTracker::await_tool() {
   if (has_ids_) {
     spdlog::info(fmt::format("{}: the work resumes once it rests there", kBackOnTool));
-    const TrackerAnswer answer =
-        wait_for([&](const StreamedReading& reading) { return is_of_tool(reading); });
+    const TrackerAnswer answer = measure(
+        [&](const StreamedReading& reading) { return why_not_of_tool(reading); }, Beam::kBreaks);
     if (answer.status != TrackerStatus::kOk)
       throw WorkError("the reflector was not placed back on the tool: " + answer.fault,
                       Cause::kDevice);
@@ -204,61 +219,42 @@ void StreamTracker::await_tool() {
     person_->ask(fmt::format("{} and press Enter; the arm will move: ", kBackOnTool));
 }
 
-bool StreamTracker::is_of_tool(const StreamedReading& reading) const {
-  return monuments_.count(reading.id) == 0;
+/// A name may be changed before the reflector is carried.
+std::string StreamTracker::why_not_of_tool(const StreamedReading& reading) const {
+  if (monuments_.count(reading.id) != 0) return of(reading);
+  if (!left_at_ || (reading.p_L - left_at_->second).norm() > kStillThere) return "";
+  return fmt::format("lies where '{}' was read", left_at_->first);
 }
 
-namespace {
-
-TrackerAnswer unrested(const RestWindow& window, double waited_s) {
-  return TrackerAnswer::failed(fmt::format("the reflector did not come to rest within {} s: {}",
-                                           waited_s, window.scatter_text()));
-}
-
-}  // namespace
-
-TrackerAnswer StreamTracker::measure(const Wanted& wanted) {
+TrackerAnswer StreamTracker::measure(const WhyNot& why_not, Beam beam) {
   const SteadyClock clock;
-  const double end_s = clock.now_s() + patience_.rest_s;
+  const bool breaks = beam == Beam::kBreaks;
+  const double patience_s = breaks ? patience_.carried_s : patience_.rest_s;
+  const double end_s = clock.now_s() + patience_s;
   RestWindow window(tracker_);
-  stream_->forget();
-  while (clock.now_s() < end_s) {
-    const auto event = hear(patience_.silence_s);
-    if (!event) return silent(patience_.silence_s);
-    if (!event->reading)
-      return TrackerAnswer::failed("a line is no reading (a broken beam?): " + event->fault);
-    if (!wanted(*event->reading)) continue;
-    window.add(*event->reading, event->arrived_s);
-    if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
-    if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
-  }
-  return unrested(window, patience_.rest_s);
-}
-
-/// The beam is broken while somebody carries the reflector, and the program may be silent.
-TrackerAnswer StreamTracker::wait_for(const Wanted& wanted) {
-  const SteadyClock clock;
-  const double end_s = clock.now_s() + patience_.carried_s;
-  RestWindow window(tracker_);
-  bool came = false;
   std::string other;  ///< why the last line does not count
   stream_->forget();
-  for (double left_s = patience_.carried_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
-    const auto event = hear(left_s);
-    if (!event) continue;
-    if (!event->reading || !wanted(*event->reading)) {
-      other = event->reading ? fmt::format("is of '{}'", event->reading->id) : event->fault;
+  for (double left_s = patience_s; left_s > 0.0; left_s = end_s - clock.now_s()) {
+    const auto event = hear(breaks ? left_s : patience_.silence_s);
+    if (!event && breaks) break;
+    if (!event) return silent(patience_.silence_s, other);
+    const std::string why = event->reading ? why_not(*event->reading) : event->fault;
+    if (!event->reading && !breaks)
+      return TrackerAnswer::failed("a line is no reading (a broken beam?): " + why);
+    if (!why.empty()) {
+      other = why;
       continue;
     }
-    came = true;
     window.add(*event->reading, event->arrived_s);
-    if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
-    if (const auto reading = window.at_rest()) return TrackerAnswer::of(*reading);
+    const bool is_frozen = window.is_frozen();
+    if (is_frozen && !breaks) break;
+    if (const auto reading = window.at_rest(); reading && !is_frozen)
+      return TrackerAnswer::of(*reading);
   }
-  if (came) return unrested(window, patience_.carried_s);
-  TrackerAnswer answer = silent(patience_.carried_s);
-  if (!other.empty()) answer.fault += "; other lines came, the last of which " + other;
-  return answer;
+  if (window.is_empty()) return silent(patience_s, other);
+  if (window.is_frozen()) return TrackerAnswer::failed(kFrozen);
+  return TrackerAnswer::failed(fmt::format("the reflector did not come to rest within {} s: {}",
+                                           patience_s, window.scatter_text()));
 }
 
 std::optional<StreamEvent> StreamTracker::hear(double patience_s) {
@@ -272,11 +268,12 @@ std::optional<StreamEvent> StreamTracker::hear(double patience_s) {
   return std::nullopt;
 }
 
-TrackerAnswer StreamTracker::silent(double waited_s) const {
+TrackerAnswer StreamTracker::silent(double waited_s, const std::string& other) const {
   const std::string loss = stream_->loss();
-  return TrackerAnswer::failed(fmt::format("{}: no reading came for {} s (a broken beam?){}",
-                                           stream_->source(), waited_s,
-                                           loss.empty() ? "" : "; " + loss));
+  return TrackerAnswer::failed(
+      fmt::format("{}: no reading came for {} s (a broken beam?){}{}", stream_->source(), waited_s,
+                  loss.empty() ? "" : "; " + loss,
+                  other.empty() ? "" : "; other lines came, the last of which " + other));
 }
 
 }  // namespace planar

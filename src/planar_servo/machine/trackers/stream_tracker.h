@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/devices/tracker.h"
@@ -88,8 +89,10 @@ class RestWindow {
   std::optional<TrackerReading> at_rest() const;
 
   /// Returns true when all readings are the same to the last digit, although that digit is finer
-  /// than the noise.
+  /// than the noise, or all are zero, as programs write them without a beam.
   bool is_frozen() const;
+
+  bool is_empty() const { return window_.empty(); }
 
   /// Says by how much the readings scatter, and by how much they may.
   std::string scatter_text() const;
@@ -119,7 +122,8 @@ struct StreamPatience {
 /// A tracker whose program writes readings all the time. A reading of it is the mean at rest
 /// (RestWindow) of what arrives after it was asked for. Where the lines have names, a monument is
 /// what is read under its name, and the tool what is read under any other; otherwise somebody at
-/// hand says when the reflector is on a monument, and when it is back on the tool.
+/// hand says when the reflector is on a monument, and when it is back on the tool. What is read
+/// where the last monument was is never the tool.
 class StreamTracker final : public Tracker {
  public:
   /// `feed` feeds `stream` and may be null for a stream that somebody else feeds.
@@ -137,14 +141,19 @@ class StreamTracker final : public Tracker {
   int readings_per_monument() const override { return 1; }
 
  private:
-  using Wanted = std::function<bool(const StreamedReading&)>;
-  TrackerAnswer measure(const Wanted& wanted);
-  /// Waits, while the beam may break, for readings at rest.
-  TrackerAnswer wait_for(const Wanted& wanted);
-  bool is_of_tool(const StreamedReading& reading) const;
+  /// Says why a reading does not count; empty when it does.
+  using WhyNot = std::function<std::string(const StreamedReading&)>;
+  /// The beam breaks while somebody carries the reflector: the program may be silent then, write
+  /// lines that are no readings, or repeat itself.
+  enum class Beam { kHolds, kBreaks };
+  TrackerAnswer measure(const WhyNot& why_not, Beam beam = Beam::kHolds);
+  std::string why_not_of_tool(const StreamedReading& reading) const;
+  /// Returns the answer, and notes where the reflector was left.
+  TrackerAnswer of_monument(const std::string& id, const TrackerAnswer& answer);
   /// Returns the stream's next line, or nothing after `patience_s`.
   std::optional<StreamEvent> hear(double patience_s);
-  TrackerAnswer silent(double waited_s) const;
+  /// `other` says why the last line that came does not count; empty where none came.
+  TrackerAnswer silent(double waited_s, const std::string& other) const;
 
   TrackerSettings tracker_;
   std::set<std::string> monuments_;
@@ -154,6 +163,7 @@ class StreamTracker final : public Tracker {
   std::shared_ptr<Operator> person_;
   StreamPatience patience_;
   std::function<bool()> stop_;
+  std::optional<std::pair<std::string, Eigen::Vector3d>> left_at_;  ///< a monument
 };
 
 }  // namespace planar

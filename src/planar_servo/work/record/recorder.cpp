@@ -260,6 +260,7 @@ class Recorder {
       sights_.push_back({p, *middle});
       devices_.camera().set_region(region_round(*middle));
     } else {
+      spdlog::warn(fmt::format("{}: no pair of lamps is seen; its frames are kept", place_));
       report_.without_lamps.push_back(place_);
     }
     return frame;
@@ -344,8 +345,7 @@ RecordReport record(const RecordRequest& request, CellDevices& devices) {
   if (devices.board_presenter() == nullptr) require_board(request, begun);
   const auto display = open_display(request.display, request.recording / "view.png");
   make_folder(request.recording / "images");
-  RecordReport report = Recorder(request, joints, begun, devices, display.get()).run();
-  return report;
+  return Recorder(request, joints, begun, devices, display.get()).run();
 }
 
 ReportList record_list(const RecordReport& report, const FrameCounts& frames,

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/tracker_table.h"
 
 namespace planar {
 
@@ -27,12 +29,18 @@ bool RecordingReadings::are_left(std::size_t row) const {
 
 void RecordingReadings::read_first_monuments() {
   if (!reads_) return;
-  if (!begun_.has_monuments) first_ = reflector_.read_monuments();
-  // A person who left after the monuments may have left the reflector there.
-  const bool has_reading =
-      std::any_of(request_.plan.begin(), request_.plan.end(),
-                  [&](const PlanRow& row) { return needs_reading(row.plan) && begun_.has(row); });
-  if (!has_reading && !request_.cell.datum.empty()) tracker_.await_tool();
+  if (begun_.has_monuments) {
+    spdlog::info(
+        "the monuments are read already: nothing may have moved since, not the tracker either; "
+        "otherwise name another folder");
+  } else {
+    // The tracker may have been moved since a round that no place has followed.
+    if (!begun_.last_monuments) write_file(request_.recording / "tracker.csv", tracker_header());
+    first_ = reflector_.read_monuments();
+  }
+  // Who reads the monuments, now or at the end of an earlier run, leaves the reflector there.
+  if (!begun_.has_monuments || !begun_.last_monuments || !begun_.last_monuments->empty())
+    tracker_.await_tool();
 }
 
 PlaceEnd RecordingReadings::read_place(const std::string& id, const TipPose& tip) {
@@ -65,8 +73,7 @@ PlaceEnd RecordingReadings::end_of_bad(const std::string& id, const std::string&
 void RecordingReadings::read_last_monuments() {
   if (std::exchange(is_done_, true)) return;
   if (reads_) {
-    if (!request_.cell.datum.empty())
-      spdlog::info("the monuments are read once more, which shows whether anything has moved");
+    spdlog::info("the monuments are read once more, which shows whether anything has moved");
     last_ = reflector_.read_monuments({}, first_);
     spdlog::info("the readings are complete: the tracker is not needed for this plan any more");
   } else if (begun_.last_monuments) {

@@ -104,12 +104,25 @@ void add_monuments(const RecordRequest& request, const std::vector<TrackerRow>& 
                 request.recording / "tracker.csv", Cause::kForeign});
 }
 
+bool is_monument(const CellSettings& cell, const std::string& id) {
+  return std::any_of(cell.datum.begin(), cell.datum.end(),
+                     [&](const Monument& monument) { return monument.id == id; });
+}
+
+/// Readings of the tool and of monuments are told apart by their ids.
+void require_names_of_places(const RecordRequest& request) {
+  Faults faults;
+  for (const PlanRow& row : request.plan)
+    if (needs_reading(row.plan) && is_monument(request.cell, row.id))
+      faults.add({"a monument of the cell has this id, too", "give the place another one",
+                  fmt::format("plan row '{}'", row.id), Cause::kExists});
+  faults.throw_if_any();
+}
+
 void find_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
                     BegunRecording& begun) {
   for (const TrackerRow& row : readings) {
-    const bool is_place = std::none_of(request.cell.datum.begin(), request.cell.datum.end(),
-                                       [&](const Monument& m) { return m.id == row.id; });
-    if (is_place)
+    if (!is_monument(request.cell, row.id))
       begun.last_monuments.emplace();
     else
       (begun.last_monuments ? *begun.last_monuments : begun.first_monuments)
@@ -141,16 +154,14 @@ void require_tracker(const RecordRequest& request) {
   const auto needs = [](const PlanRow& row) { return needs_reading(row.plan); };
   const auto count = std::count_if(request.plan.begin(), request.plan.end(), needs);
   if (count == 0) return;
-  const std::size_t monuments = request.cell.datum.size();
-  const bool measures = request.cell.tracker.kind->measures();
-  if (measures && monuments < kLeastMonuments)
-    throw InputError({fmt::format("datum has {} monument{}, and {} row{} of the plan ask{} for a "
-                                  "tracker reading, which {} monuments tie to the base",
-                                  monuments, monuments == 1 ? "" : "s", count,
-                                  count == 1 ? "" : "s", count == 1 ? "s" : "", kLeastMonuments),
+  if (request.cell.tracker.kind->measures()) {
+    const std::string fault = fault_of_datum(request.cell.datum);
+    if (fault.empty()) return require_names_of_places(request);
+    throw InputError({fmt::format("{}, and {} row{} of the plan ask{} for a reading", fault, count,
+                                  count == 1 ? "" : "s", count == 1 ? "s" : ""),
                       "survey them and write them there, or give these rows the plan pose",
                       request.cell.file, Cause::kMissing});
-  if (measures) return;
+  }
   const PlanRow& first = *std::find_if(request.plan.begin(), request.plan.end(), needs);
   throw InputError(
       {fmt::format("tracker.source is none, but {} row{} of the plan ask{} for a tracker reading, "

@@ -17,7 +17,8 @@ namespace planar {
 /// the row before. Throws InputError naming every position that the arm cannot or must not take.
 std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<PlanRow>& plan);
 
-/// Throws InputError when rows of the plan ask for readings that nobody takes.
+/// Throws InputError when rows of the plan ask for readings that nobody takes, that the cell's
+/// monuments cannot tie to the base, or that have the id of a monument.
 void require_tracker(const RecordRequest& request);
 
 /// The present content of a recording; nothing when it is new.
