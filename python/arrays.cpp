@@ -156,6 +156,14 @@ void require_metres(const char* argument, const Eigen::Ref<const Eigen::MatrixXd
                       "lengths are metres here; divide millimetres by 1000", argument});
 }
 
+void require_radians(const char* argument, const Eigen::Ref<const Eigen::MatrixXd>& angles) {
+  constexpr double kMost = 25.0;  // four turns
+  const double most = angles.size() == 0 ? 0.0 : angles.cwiseAbs().maxCoeff();
+  if (most > kMost)
+    throw InputError({fmt::format("has {:g} rad, more than four turns", most),
+                      "angles are radians here; numpy.radians() makes them", argument});
+}
+
 std::vector<Eigen::Vector2d> points_of(const char* argument, const py::object& value) {
   const Rows rows = rows_of(argument, value, 2);
   std::vector<Eigen::Vector2d> points;

@@ -44,6 +44,9 @@ Eigen::MatrixXd matrix_of(const char* argument, const py::object& value, Eigen::
 /// Checks lengths. Throws InputError for one that no arm has, as of millimetres.
 void require_metres(const char* argument, const Eigen::Ref<const Eigen::MatrixXd>& lengths);
 
+/// Checks directions. Throws InputError for one of more turns than a tool makes, as of degrees.
+void require_radians(const char* argument, const Eigen::Ref<const Eigen::MatrixXd>& angles);
+
 /// Reads (N, 2) numbers as points.
 std::vector<Eigen::Vector2d> points_of(const char* argument, const py::object& value);
 

@@ -25,6 +25,7 @@ DatumRegistration register_readings(const std::vector<std::string>& ids, const p
                                     const std::vector<std::string>& read_ids,
                                     const py::object& p_read, double sigma) {
   const Rows known = rows_of("p_known", p_known, 3), read = rows_of("p_read", p_read, 3);
+  require_metres("p_known", known.values);
   const auto check = [](const char* argument, std::size_t size, py::ssize_t count) {
     if (size != static_cast<std::size_t>(count))
       throw InputError({"has " + std::to_string(size) + " ids",

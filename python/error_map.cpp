@@ -34,12 +34,18 @@ std::optional<Eigen::VectorXd> optional_numbers(const char* argument, const py::
   return numbers_of(argument, value, count);
 }
 
+std::optional<Eigen::VectorXd> directions_of(const py::object& phi, Eigen::Index count) {
+  auto directions = optional_numbers("phi", phi, count);
+  if (directions) require_radians("phi", *directions);
+  return directions;
+}
+
 /// Predicts at every place, within the rules that predict() has for the direction.
 py::object predict_places(const HeldMap& held, const py::object& p_vision, const py::object& phi) {
   const ErrorMap& map = held.map;
   const Rows places = rows_of("p_vision", p_vision, 2);
   require_metres("p_vision", places.values);
-  const auto directions = optional_numbers("phi", phi, places.count());
+  const auto directions = directions_of(phi, places.count());
   if (!directions && depends_on_direction(map))
     throw InputError(
         {"is missing", "this map needs the tool's direction, radians", "phi", Cause::kMissing});
@@ -79,7 +85,10 @@ std::vector<ErrorSample> samples_of(const py::object& p_vision, const py::object
   if (ids) check("ids", ids->size());
   if (places) check("places", places->size());
   const auto sigmas = optional_numbers("sigma", sigma, seen.count());
-  const auto directions = optional_numbers("phi", phi, seen.count());
+  if (sigmas && (sigmas->array() < 0.0).any())
+    throw InputError(
+        {"has a negative number", "standard deviations in metres are needed", "sigma"});
+  const auto directions = directions_of(phi, seen.count());
   std::vector<ErrorSample> samples(count);
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = static_cast<Eigen::Index>(i);

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 /// Compensates the tool's end point where the field sees its lamps.
 py::object compensate_places(const LampField& field, const py::object& lamps_B) {
   const Rows lamps = rows_of("lamps_B", lamps_B, 4);
+  require_metres("lamps_B", lamps.values);
   Results tips(lamps, {3}), covariances(lamps, {2, 2});
   py::array_t<bool> inside(lamps.count());
   bool* const is_inside = inside.mutable_data();

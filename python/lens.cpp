@@ -83,6 +83,7 @@ Pose pose_of(const char* argument, const py::object& value) {
       X.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
     throw InputError(
         {"is no pose", "[[R, t], [0, 0, 0, 1]] with a rotation R is needed", argument});
+  require_metres(argument, X.topRightCorner<3, 1>());
   Pose pose = Pose::Identity();
   pose.matrix() = X;
   return pose;

@@ -39,6 +39,25 @@ TEST_CASE("The intervals of AP and RP hold them as often as they say") {
   CHECK(rp / double(kSets) == Approx(0.95).margin(0.033));
 }
 
+TEST_CASE("The interval of an AP that is no longer than its own uncertainty holds it, too") {
+  constexpr std::size_t kErrors = 30;
+  const double true_ap = 1.5 / std::sqrt(static_cast<double>(kErrors));
+  std::mt19937 random(10);
+  std::normal_distribution<double> normal;
+  int held = 0;
+  for (int i = 0; i < kSets; ++i) {
+    PoseErrors errors;
+    for (std::size_t k = 0; k < kErrors; ++k) {
+      const double x = normal(random), y = normal(random);
+      errors.emplace_back(true_ap + x, y);
+    }
+    const PoseIntervals intervals = pose_intervals(errors).value();
+    if (holds(intervals.accuracy, true_ap)) ++held;
+    CHECK(intervals.accuracy.second > pose_accuracy(errors).accuracy);
+  }
+  CHECK(held / double(kSets) > 0.917);  // three sigmas below 0.95
+}
+
 TEST_CASE("The intervals of a mean and an rms hold them about as often as they say") {
   std::mt19937 random(6);
   std::weibull_distribution<double> rayleigh(2.0, 1.0);

@@ -8,6 +8,7 @@
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "planar_servo/work/run/dry_run.h"
 #include "support/sample_cells.h"
 
 namespace planar {
@@ -25,6 +26,16 @@ TEST_CASE("The largest free square of a raster comes first") {
   CHECK(squares[0].row == 3);
   CHECK(squares[1].side == 1);
   CHECK(free_squares({{true, false}, {false, true}}).empty());
+}
+
+/// Returns the moves that the arm may not make when it comes to them.
+std::vector<std::string> barred_moves(const CalibratedCell& cell, const TestPlaces& places) {
+  DryRun dry(cell, foresee_check(cell).end);
+  std::vector<std::string> barred;
+  for (const CertificateMove& move : certificate_moves(places, 2))
+    for (const auto& p : {move.p_before, std::optional(move.p_d)})
+      if (p && dry.first_move({"", *p, {}}).plan.refusal) barred.push_back(move.id);
+  return barred;
 }
 
 TEST_CASE("The square and the targets lie where the cell can position") {
@@ -66,6 +77,11 @@ TEST_CASE("The square and the targets lie where the cell can position") {
       for (const CertificateMove& move : certificate_moves(beside, 1))
         CHECK_FALSE(workspace.violation(move.p_before.value_or(move.p_d)));
     }
+  }
+  SECTION("A keep-out disc between the last pose and the first target bars no move of the run") {
+    workspace.keep_out = {{Eigen::Vector2d(0.203, -0.295), 0.006}};
+    const CalibratedCell beside = read_calibrated_cell(cell.settings);
+    CHECK(barred_moves(beside, find_test_places(beside, 10)).empty());
   }
   SECTION("A workspace that the camera does not see is refused") {
     workspace.keep_out.push_back({{0.0, 0.0}, 0.6});

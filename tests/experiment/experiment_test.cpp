@@ -173,6 +173,35 @@ TEST_CASE("Only our chain estimates landings, the paper's and ViSP's correct by 
   CHECK_FALSE(estimates(visp_chain(cell)));
 }
 
+TEST_CASE("Chains that nobody judged are left out of the report, which is written all the same") {
+  const test::TemporaryFolder folder;
+  const Workspace workspace{0.060, 0.540, {}};
+  ExperimentSize size;
+  size.control_points = 2;
+  ExperimentReport report;
+  report.circles = control_circles(workspace, size);
+  report.reflector_sigma = 1e-6;
+  report.prediction = {3e-6, 6e-6};
+  for (const TargetRow& target : control_targets(workspace, size)) {
+    TargetResult result;
+    result.id = target.id;
+    result.p_d = target.p_d;
+    result.status = ServoStatus::kReached;
+    for (auto* chain : {&report.paper, &report.paper_no_map, &report.visp})
+      chain->push_back(result);
+    result.before_judged = result.after_judged = Eigen::Vector2d(2e-6, 1e-6);
+    report.ours.push_back(result);
+  }
+  report.tables.positioning = positioning_table(report.circles, report.ours, report.paper);
+  const auto page = [&] {
+    return read_file(write_experiment_report(report, "cell.yaml", folder.path()));
+  };
+  CHECK_THAT(page(), Contains("<b>Good:</b> the end point stops 0.0022 mm") && !Contains(" nan "));
+  CHECK_THAT(experiment_text(report), !Contains("nan mm"));
+  report.ours = report.paper;
+  CHECK_THAT(page(), Contains("<b>To be mended:</b> nobody judged"));
+}
+
 TEST_CASE("A small experiment fills every table of the paper, and our chain beats the paper's") {
   const test::TemporaryFolder folder;
   const ExperimentReport report = run_small_experiment(folder.path());

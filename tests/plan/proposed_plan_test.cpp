@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "plan/training_order.h"
+#include "planar_servo/base/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
 #include "planar_servo/offline/plan/experiment_plan.h"
 #include "planar_servo/work/record/recording_start.h"
@@ -32,6 +33,29 @@ TEST_CASE("A first plan has views, sweeps and places, and the arm can make all o
   CHECK(plan.after < 0.2 * plan.before);
   CHECK(plan.worth_reading());
   CHECK(plan.enough <= rows_of(plan, Purpose::kTrain));
+}
+
+TEST_CASE(
+    "A first plan keeps to the workspace, the limits and what is kept free, and says the rest") {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  SECTION("The workspace ends before an elbow at a right angle") {
+    cell.workspace.radius_max_m = 0.4;
+    CHECK(propose_plan(cell, {40}).left_out == 0);
+  }
+  SECTION("Joint 1 does not turn all the way") {
+    cell.transmission.limits_rad[0] = {-150.0 * kDegree, 150.0 * kDegree};
+    const ProposedPlan plan = propose_plan(cell, {40});
+    CHECK(rows_of(plan, Purpose::kSweep1) == 4);
+    CHECK(plan.left_out == 1);
+    CHECK_THAT(proposal_list(plan).text(), Catch::Contains("1 of the places"));
+  }
+  SECTION("Where joint 3 would turn nothing may be") {
+    cell.workspace.keep_out = {{Eigen::Vector2d(0.0, 0.3), 0.06}};
+    CHECK(rows_of(propose_plan(cell, {40}), Purpose::kSweep3) == 5);
+  }
+  const ProposedPlan plan = propose_plan(cell, {40, 20});
+  CHECK_NOTHROW(joints_of_plan(cell, plan.rows));
+  CHECK(rows_of(plan, Purpose::kSweep1) >= 4);
 }
 
 TEST_CASE("A first plan begins with what needs the tracker and ends with the views of the board") {

@@ -115,6 +115,9 @@ class Cameras(unittest.TestCase):
         np.testing.assert_allclose(p, p_W, atol=1e-12)
         np.testing.assert_allclose(J @ J_back, np.broadcast_to(np.eye(2), (2, 2, 2)), atol=1e-9)
         refused(self, "X_WC", ps.Workplane, self.camera, np.ones((4, 4)))
+        in_mm = np.array(pose)
+        in_mm[:3, 3] *= 1e3
+        self.assertIn("millimetres", refused(self, "X_WC", ps.Workplane, self.camera, in_mm).remedy)
 
     def test_a_calibration_finds_the_camera(self):
         points = ps.board_points("chessboard:8x6:30mm")
@@ -176,6 +179,8 @@ class Maps(unittest.TestCase):
     def test_wrong_pairs_are_refused_by_name(self):
         refused(self, "p_reference", ps.fit_error_map, self.p, self.reference[:5])
         refused(self, "sigma", ps.fit_error_map, self.p, self.reference, sigma=[1e-6] * 3)
+        refused(self, "sigma", ps.fit_error_map, self.p, self.reference, sigma=-1e-6)
+        refused(self, "phi", ps.fit_error_map, self.p, self.reference, phi=np.linspace(0, 360, len(self.p)))  # degrees
         refused(self, "method", ps.fit_error_map, self.p, self.reference, method="best")
         error = refused(self, "p_vision", ps.fit_error_map, self.p * 1e3, self.reference * 1e3)
         self.assertIn("divide millimetres by 1000", error.remedy)
@@ -224,6 +229,7 @@ class Trackers(unittest.TestCase):
         np.testing.assert_allclose(p_B, known, atol=1e-9)
         self.assertIsNone(found.left_out)
         refused(self, "ids", ps.register_tracker, ["a"], known, list("abcd"), read)
+        refused(self, "p_known", ps.register_tracker, list("abcd"), 1e3 * np.asarray(known), list("abcd"), read)
         with self.assertRaises(ps.InputError):
             ps.register_tracker(list("abcd"), known, list("abcx"), read)
 

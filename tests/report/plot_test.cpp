@@ -251,6 +251,8 @@ TEST_CASE("The bars of a histogram have round edges and count every value that t
   CHECK_THAT(svg, Contains("curve: normal with what is stated, 0.2"));
   CHECK_THAT(svg, Contains("1 beyond the ends"));
   CHECK_THAT(plot_svg({histogram("h", "v", {1.0, 1.0}, {1.0, "s"})}), Contains("class=\"bar\""));
+  CHECK_THAT(plot_svg({histogram("h", "v", {0.0, 0.0}, {0.0, "s"})}),
+             Contains("class=\"bar\"") && !Contains("nan"));
 }
 
 TEST_CASE("A figure is well-formed, needs nothing from outside and holds its panels") {

@@ -18,6 +18,10 @@ std::size_t count_of(const std::string& part, const std::string& text) {
   return count;
 }
 
+std::string quiver_svg(const std::vector<QuiverPanel>& panels) {
+  return plot_svg(quiver_panels(panels));
+}
+
 TEST_CASE("Before and after share axes, arrows and colours") {
   const std::string svg = quiver_svg({{"before", {{0.5, 0.0}, {-0.5, 0.5}}, {{1e-3, 0.0}, {0, 0}}},
                                       {"after", {{0.5, 0.0}}, {{1e-5, 0.0}}}});
@@ -58,8 +62,8 @@ TEST_CASE("A panel without any error has no arrows to scale") {
 }
 
 TEST_CASE("Panels without points or with unequal sizes are refused") {
-  CHECK_THROWS_AS(quiver_svg({{"empty", {}, {}}}), std::invalid_argument);
-  CHECK_THROWS_AS(quiver_svg({{"uneven", {{0.0, 0.0}}, {}}}), std::invalid_argument);
+  CHECK_THROWS_AS(quiver_panels({{"empty", {}, {}}}), std::invalid_argument);
+  CHECK_THROWS_AS(quiver_panels({{"uneven", {{0.0, 0.0}}, {}}}), std::invalid_argument);
 }
 
 }  // namespace

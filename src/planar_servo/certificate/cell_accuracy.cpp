@@ -224,7 +224,7 @@ std::optional<PoseIntervals> pose_intervals(const PoseErrors& errors) {
   const double middle = mean(repeatabilities);
   PoseIntervals intervals;
   intervals.accuracy = {std::max(0.0, 2.0 * found.accuracy - a.second),
-                        2.0 * found.accuracy - a.first};
+                        std::max(a.second, 2.0 * found.accuracy - a.first)};
   if (middle > 0.0 && r.first > 0.0)
     intervals.repeatability = {found.repeatability * middle / r.second,
                                found.repeatability * middle / r.first};

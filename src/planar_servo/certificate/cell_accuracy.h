@@ -54,8 +54,9 @@ struct PoseIntervals {
 };
 
 /// Returns the intervals of pose_accuracy(), from sets drawn from the normal distribution with the
-/// errors' mean and covariance: AP by the basic bootstrap, RP, which scales with the scatter, by
-/// its ratio [Davison and Hinkley 1997, 5.2]. Empty for fewer than kLeastForInterval errors.
+/// errors' mean and covariance: AP by the basic bootstrap, with the percentile's upper end where it
+/// is higher, as a length near zero is seldom found too short; RP, which scales with the scatter,
+/// by its ratio [Davison and Hinkley 1997, 5.2]. Empty for fewer than kLeastForInterval errors.
 std::optional<PoseIntervals> pose_intervals(const PoseErrors& errors);
 
 /// Returns the interval of a figure of values of one distribution, by resampling them (percentile

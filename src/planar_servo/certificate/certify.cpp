@@ -98,12 +98,12 @@ bool is_refused(DryRun& dry, const Eigen::Vector2d& p) {
   return dry.first_move({"", p, {}}).plan.refusal.has_value();
 }
 
-/// Plans a cycle of all moves twice, so that the way back to the first is checked, too.
-bool can_cycle(DryRun dry, const TestPlaces& places) {
-  for (int cycle = 0; cycle < 2; ++cycle)
-    for (const CertificateMove& move : certificate_moves(places, 1))
-      if ((move.p_before && is_refused(dry, *move.p_before)) || is_refused(dry, move.p_d))
-        return false;
+/// Plans two cycles of all moves, the way back to the first included, and leaves `dry` at their
+/// end. Returns whether all ways are free.
+bool can_cycle(DryRun& dry, const TestPlaces& places) {
+  for (const CertificateMove& move : certificate_moves(places, 2))
+    if ((move.p_before && is_refused(dry, *move.p_before)) || is_refused(dry, move.p_d))
+      return false;
   return true;
 }
 
@@ -119,7 +119,7 @@ std::vector<Eigen::Vector2d> free_tour(DryRun dry, std::vector<Eigen::Vector2d> 
 }
 
 /// The tour goes once round the base, so that no motor winds itself up to its limits.
-std::vector<Eigen::Vector2d> spread_targets(const CalibratedCell& cell, const DryRun& home,
+std::vector<Eigen::Vector2d> spread_targets(const CalibratedCell& cell, const DryRun& start,
                                             std::size_t wanted) {
   std::vector<Eigen::Vector2d> places, tour;
   for (std::size_t index = 1; index <= kMostTries * wanted; ++index) {
@@ -127,8 +127,10 @@ std::vector<Eigen::Vector2d> spread_targets(const CalibratedCell& cell, const Dr
     if (!is_usable(cell, p)) continue;
     places.push_back(p);
     if (places.size() < wanted) continue;
-    tour = free_tour(home, places);
-    if (tour.size() == wanted) return tour;
+    tour = free_tour(start, places);
+    if (tour.size() < wanted) continue;
+    tour.resize(wanted);  // one place more may open the way to several
+    return tour;
   }
   throw InputError({fmt::format("{} of {} targets were found that arm, camera and error map reach",
                                 tour.size(), wanted),
@@ -342,10 +344,11 @@ std::vector<RasterSquare> free_squares(const std::vector<std::vector<bool>>& fre
 
 TestPlaces find_test_places(const CalibratedCell& cell, std::size_t targets) {
   const Raster raster = raster_of(cell);
-  const DryRun dry(cell, foresee_check(cell).end);
+  const DryRun checked(cell, foresee_check(cell).end);
   for (const RasterSquare& found : free_squares(raster.free)) {
     const TestSquare square = square_at(raster, found);
     TestPlaces places{square, raster.spacing, raster.usable, square_poses(square), {}};
+    DryRun dry = checked;
     if (!can_cycle(dry, places)) continue;
     places.targets = spread_targets(cell, dry, targets);
     return places;

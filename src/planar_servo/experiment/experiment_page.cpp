@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
@@ -54,8 +55,12 @@ void add_first_words(HtmlPage& page, const ExperimentReport& report) {
   const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
   Verdict verdict;
   verdict.faults = run_faults(ours, "ours/run/results.csv");
-  if (!ours.after_judged || !paper.after_judged) return page.add_verdict(verdict);
-  if (ours.after_judged->mean >= paper.after_judged->mean)
+  if (!ours.after_judged) {
+    verdict.faults.push_back({"nobody judged where our chain ends",
+                              "clear the tracker's view, and begin in another folder"});
+    return page.add_verdict(verdict);
+  }
+  if (paper.after_judged && ours.after_judged->mean >= paper.after_judged->mean)
     verdict.faults.push_back({"our chain ends no nearer than the paper's",
                               "compare the chains in Tables 3 and 5, and the errors below"});
   const double ratio = ours.after_judged->mean / report.prediction.mean;
@@ -164,10 +169,16 @@ void add_files(HtmlPage& page, const fs::path& out) {
   page.add_html("<ul>\n" + rows + "</ul>\n");
 }
 
+/// Returns the errors of those ways that somebody judged.
 std::vector<QuiverPanel> error_panels(const ExperimentReport& report) {
-  return {error_panel("Open loop", report.paper, &TargetResult::before_judged),
-          error_panel("Paper's chain", report.paper, &TargetResult::after_judged),
-          error_panel("planar-servo", report.ours, &TargetResult::after_judged)};
+  std::vector<QuiverPanel> panels;
+  for (const auto& [what, results, error] :
+       {std::tuple("Open loop", &report.paper, &TargetResult::before_judged),
+        {"Paper's chain", &report.paper, &TargetResult::after_judged},
+        {"planar-servo", &report.ours, &TargetResult::after_judged}})
+    if (QuiverPanel panel = error_panel(what, *results, error); !panel.points.empty())
+      panels.push_back(std::move(panel));
+  return panels;
 }
 
 /// The plots of the report by the part of the page that has them.
@@ -203,7 +214,8 @@ void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlo
                  const fs::path& out) {
   page.add_heading("Accuracy");
   page.add_html(accuracy_table(report).html());
-  page.add_html(plot_html(quiver_panels(error_panels(report))));
+  const std::vector<QuiverPanel> errors = error_panels(report);
+  if (!errors.empty()) page.add_html(plot_html(quiver_panels(errors)));
   page.add_paragraph(
       fmt::format("{} All chains were calibrated from the same recording. {}",
                   report.reflector_sigma
@@ -215,11 +227,12 @@ void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlo
   page.add_heading("Improvement");
   page.add_paragraph(worth_words(report));
   add_plots(page, plots.worth, out);
-  page.add_heading("Largest errors");
-  page.add_html(worst_table(report).html());
-  page.add_html(plot_html(
-      quiver_panels({error_panel("planar-servo", report.ours, &TargetResult::after_judged)})));
-  page.add_paragraph("The errors of our chain once more, at scales of their own.");
+  if (figures_of(report.ours).after_judged) {
+    page.add_heading("Largest errors");
+    page.add_html(worst_table(report).html());
+    page.add_html(plot_html(quiver_panels({errors.back()})));
+    page.add_paragraph("The errors of our chain once more, at scales of their own.");
+  }
   page.add_heading("Coverage");
   page.add_paragraph(coverage_words(report));
   add_plots(page, plots.coverage, out);
@@ -263,7 +276,8 @@ fs::path write_experiment_report(const ExperimentReport& report, const std::stri
   for (const auto* part : {&plots.worth, &plots.coverage, &plots.paper})
     for (const ReportPlot& plot : *part)
       write_file(out / "figures" / plot.file, format_comment("figure") + plot_svg(plot.panels));
-  write_file(out / "errors.svg", format_comment("figure") + quiver_svg(error_panels(report)));
+  if (const std::vector<QuiverPanel> errors = error_panels(report); !errors.empty())
+    write_file(out / "errors.svg", format_comment("figure") + plot_svg(quiver_panels(errors)));
   write_file(out / "figures.json",
              with_format_key("figures", experiment_list(report).json().dump(2)));
   fs::path page = out / "report.html";

@@ -204,8 +204,9 @@ ReportList experiment_list(const ExperimentReport& report) {
             "chain without a map, {vision_after_mean_mm:.4f} mm by ours",
             mean_error(report.paper_no_map, &TargetResult::vision_raw),
             mean_error(report.ours, &TargetResult::vision_compensated));
-  list.line("", fmt::format("positioning by the paper's chain without a map: {:.3f} mm mean",
-                            mm(mean_error(report.paper_no_map, &TargetResult::after_judged))));
+  if (const auto found = figures_of(report.paper_no_map).after_judged)
+    list.line("", fmt::format("positioning by the paper's chain without a map: {:.3f} mm mean",
+                              mm(found->mean)));
   list.line("", "ours:");
   list.append(servo_list(figures_of(report.ours)));
   for (const auto& [key, results] : {std::pair("paper_chain", &report.paper),

@@ -33,7 +33,7 @@ constexpr int kCurvePoints = 80;
 std::vector<double> bar_edges(const std::vector<double>& values, double middle, double reach) {
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   const double from = std::max(*least, middle - reach), to = std::min(*most, middle + reach);
-  const double width = round_length(reach / (kBeyond * kBarsPerSigma));
+  const double width = reach > 0.0 ? round_length(reach / (kBeyond * kBarsPerSigma)) : 1.0;
   std::vector<double> edges;
   for (double i = std::floor(from / width); i <= std::ceil(to / width); ++i)
     edges.push_back(i * width);
@@ -55,7 +55,7 @@ std::vector<double> counts_between(const std::vector<double>& edges,
 
 std::vector<Eigen::Vector2d> normal_curve(const Axis& x, double sigma, double area) {
   std::vector<Eigen::Vector2d> curve;
-  for (int i = 0; i <= kCurvePoints; ++i) {
+  for (int i = 0; sigma > 0.0 && i <= kCurvePoints; ++i) {
     const double at = x.from + (x.to - x.from) * i / kCurvePoints;
     curve.emplace_back(
         at, area / (sigma * std::sqrt(2.0 * kPi)) * std::exp(-0.5 * at * at / (sigma * sigma)));
@@ -148,10 +148,6 @@ std::vector<Panel> quiver_panels(const std::vector<QuiverPanel>& panels) {
   }
   drawn.back().add_color_bar(colors);
   return drawn;
-}
-
-std::string quiver_svg(const std::vector<QuiverPanel>& panels) {
-  return plot_svg(quiver_panels(panels));
 }
 
 }  // namespace planar

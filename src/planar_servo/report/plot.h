@@ -47,7 +47,4 @@ constexpr char kQuiverCaption[] =
 /// or with unequal numbers of points and errors.
 std::vector<Panel> quiver_panels(const std::vector<QuiverPanel>& panels);
 
-/// Draws these panels side by side as one SVG element.
-std::string quiver_svg(const std::vector<QuiverPanel>& panels);
-
 }  // namespace planar

@@ -48,13 +48,6 @@ const char* color_of(const std::set<int>& radii_mm, int radius_mm) {
   return kSeriesColors[static_cast<std::size_t>(number) % std::size(kSeriesColors)];
 }
 
-std::vector<double> lengths_mm(const std::vector<CirclePlace>& places, const PlaceError& error) {
-  std::vector<double> lengths;
-  lengths.reserve(places.size());
-  for (const CirclePlace& place : places) lengths.push_back(mm(error(place).norm()));
-  return lengths;
-}
-
 /// Draws the lengths of an error along each circle, in the first run. Figures 8 to 10 have their
 /// axes in common, so that they can be compared.
 std::vector<Panel> length_panels(const std::string& title, const std::vector<CirclePlace>& places,
@@ -72,10 +65,12 @@ std::vector<Panel> length_panels(const std::string& title, const std::vector<Cir
   for (const int radius_mm : radii_mm) {
     const std::vector<CirclePlace> circle = places_of(places, radius_mm, 1);
     if (circle.empty()) continue;
-    const std::vector<double> lengths = lengths_mm(circle, error);
+    std::vector<double> lengths;
     std::vector<Eigen::Vector2d> curve;
-    for (std::size_t i = 0; i < circle.size(); ++i)
-      curve.emplace_back(circle[i].index + 1.0, lengths[i]);
+    for (const CirclePlace& place : circle) {
+      lengths.push_back(mm(error(place).norm()));
+      curve.emplace_back(place.index + 1.0, lengths.back());
+    }
     const char* color = color_of(radii_mm, radius_mm);
     panel.add_line(curve, Panel::Stroke::kSolid, color);
     panel.add_dots(curve, {color}, 2.8);

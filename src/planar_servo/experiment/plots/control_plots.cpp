@@ -14,7 +14,7 @@
 namespace planar {
 namespace {
 
-/// True errors at the targets under one way of positioning.
+/// Errors at the targets under one way of positioning.
 struct ErrorSeries {
   const char* what;
   const char* color;
@@ -39,7 +39,7 @@ Axis error_axis(const ExperimentReport& report) {
   std::vector<double> all;
   for (const ErrorSeries& series : series_of(report))
     for (const double length : series.lengths_mm()) all.push_back(length);
-  return decades_over("true error, mm", all);
+  return decades_over("error, mm", all);
 }
 
 std::vector<Panel> target_panels(const ExperimentReport& report) {
@@ -64,7 +64,7 @@ std::vector<Panel> target_panels(const ExperimentReport& report) {
 
 /// Draws each target's error, in the order in which the arm goes to them.
 std::vector<Panel> before_after_panels(const ExperimentReport& report) {
-  Panel panel("True error at each target",
+  Panel panel("Error at each target",
               {"number of the target", 0.0, static_cast<double>(report.paper.size()) + 1.0},
               error_axis(report));
   for (const ErrorSeries& series : series_of(report)) {
@@ -101,12 +101,9 @@ Panel cumulative_panel(const ExperimentReport& report) {
 }
 
 Panel component_histogram(const std::string& title, const std::vector<TargetResult>& results) {
-  std::vector<Eigen::Vector2d> errors;
-  for (const TargetResult& result : results)
-    if (result.after_judged) errors.push_back(*result.after_judged / kMillimetre);
-  const std::vector<double> components = components_of(errors);
-  return histogram(title, "true error along x and y, mm", components,
-                   {rms(components), "their rms"});
+  const std::vector<double> components =
+      components_of(in_mm(error_panel("", results, &TargetResult::after_judged).errors));
+  return histogram(title, "error along x and y, mm", components, {rms(components), "their rms"});
 }
 
 std::map<std::string, std::vector<Eigen::Vector2d>> ways_of(const std::vector<StepError>& steps) {
@@ -146,8 +143,8 @@ std::vector<ReportPlot> control_plots(const ExperimentReport& report) {
                  "beyond every circle on which the map is checked, so the positioning is a test "
                  "of the map's rim as well.",
                  target_panels(report)),
-      paper_plot(19, "true errors at the targets before and after feedback",
-                 "Every target before feedback and after it, against the truth, on a scale of "
+      paper_plot(19, "errors at the targets before and after feedback",
+                 "Every target before feedback and after it, on a scale of "
                  "decades. The four circles follow each other in the order of Table 7. Before "
                  "feedback is where the arm ends by the cell file; on calib/paper that was "
                  "fitted to the paper's means. Look at what the map adds to the paper's chain, "
@@ -180,7 +177,7 @@ std::optional<ReportPlot> spread_plot(const ExperimentReport& report) {
     if (series.lengths_mm().empty()) return std::nullopt;
   return ReportPlot{
       "spread.svg",
-      "How the true errors are spread",
+      "How the errors are spread",
       "First, all four ways of positioning on one scale of decades: a curve further left is "
       "better, a steep one has no stragglers. Then the components of the errors of both chains, "
       "each on a scale of its own, with a normal curve of the same rms: a histogram that "
@@ -208,7 +205,7 @@ std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
       "after the first move and after each correction. Both panels have the same axes. A line ends "
       "where the servo is content. Look for lines that rise or last longer than the others. Ours "
       "is aimed by the arm that was found and begins close to the target. What vision cannot see "
-      "is not in this figure, but in the true errors above.",
+      "is not in this figure, but in the errors above.",
       {way_panel("The paper's chain", corrections, errors, paper, kSeriesColors[1]),
        way_panel("Ours", corrections, errors, ours, kSeriesColors[0])}};
 }

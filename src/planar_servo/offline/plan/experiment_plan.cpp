@@ -49,10 +49,17 @@ class PlanBuilder {
       plan_.circle_points.push_back({id, radius_mm, run, i});
     }
   }
-  /// Turns joint 1 alone, with a right angle at the elbow: links and tool move as one body.
+  /// Turns joint 1 alone: links and tool move as one body, with a right angle at the elbow, or the
+  /// nearest one at which the workspace holds the end point.
   void add_joint1_sweep(const CellSettings& cell, int count) {
     const double sense = PlanarArm(cell.arm.geometry).sense();
-    const double bend = (cell.arm.elbow == Elbow::kLeft ? -sense : sense) * kPi / 2.0;
+    const double rim = circles().rim_mm * kMillimetre;
+    const Eigen::Vector2d& links = cell.arm.geometry.link_lengths_m;
+    const double radius = std::clamp(links.norm(), cell.workspace.radius_min_m + rim,
+                                     cell.workspace.radius_max_m - rim);
+    const double cosine = (radius * radius - links.squaredNorm()) / (2.0 * links.prod());
+    const double bend = (cell.arm.elbow == Elbow::kLeft ? -sense : sense) *
+                        std::acos(std::clamp(cosine, -1.0, 1.0));
     for (int i = 0; i < count; ++i) {
       const double theta1 = 2.0 * kPi * i / count - kPi;
       plan_.rows.push_back({fmt::format("sweep1_{:02}", i), Purpose::kSweep1,

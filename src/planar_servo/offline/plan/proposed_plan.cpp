@@ -160,30 +160,60 @@ void mix(std::vector<TipPose>& tips) {
     std::swap(tips[left - 1], tips[rng() % left]);
 }
 
-/// Returns the joint angles at a place if the arm may go there from others.
-std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const TipPose& tip) {
-  const JointPlan plan = known.planner.plan(tip, from);
+/// Returns the joint angles at the place of a row if the arm may go there from others.
+std::optional<Joints> way_to(const KnownCell& known, const Joints& from, const PlanRow& row) {
+  const auto* theta = std::get_if<Joints>(&row.where);
+  const JointPlan plan = theta ? JointPlan{*theta, known.planner.refusal(*theta)}
+                               : known.planner.plan(std::get<TipPose>(row.where), from);
   if (plan.refusal || known.planner.way_refusal(from, plan.theta)) return std::nullopt;
   return plan.theta;
 }
 
+/// Leaves out the rows to which the arm may not go from where those before leave it, first at home.
+/// Returns the joint angles at the others but the views of the board.
+std::vector<Joints> keep_reachable(const KnownCell& known, std::vector<PlanRow>& rows) {
+  std::vector<Joints> thetas;
+  const auto is_barred = [&](const PlanRow& row) {
+    if (shows_board(row.plan)) return false;
+    const auto theta = way_to(known, thetas.empty() ? known.cell.arm.home : thetas.back(), row);
+    if (theta) thetas.push_back(*theta);
+    return !theta;
+  };
+  rows.erase(std::remove_if(rows.begin(), rows.end(), is_barred), rows.end());
+  return thetas;
+}
+
+/// Turns the place at which joint 3 sweeps about the base to where the arm can make most of it.
+std::vector<PlanRow> with_free_sweep(const KnownCell& known, const std::vector<PlanRow>& rows) {
+  std::vector<PlanRow> most;
+  for (int turn_deg = 0; turn_deg < 360 && most.size() < rows.size(); turn_deg += 30) {
+    std::vector<PlanRow> turned = rows;
+    for (PlanRow& row : turned)
+      if (auto* tip = std::get_if<TipPose>(&row.where); tip && row.plan == Purpose::kSweep3)
+        tip->p = rotation2d(turn_deg * kDegree) * tip->p;
+    keep_reachable(known, turned);
+    if (turned.size() > most.size()) most = std::move(turned);
+  }
+  return most;
+}
+
 /// Orders places at random, because a step in time can be told from the field only where successive
-/// places are not neighbours. A place to which the way is forbidden is tried again after the next
-/// one; those to which none leads are left out.
+/// places are not neighbours. The arm stands at `at`, and then at the last. A place to which the
+/// way is forbidden is tried again after the next one; those to which none leads are left out.
 std::vector<PlanRow> rows_at_random(const KnownCell& known, Purpose plan, std::vector<TipPose> tips,
-                                    std::size_t first) {
+                                    std::size_t first, Joints& at) {
   mix(tips);
   std::vector<PlanRow> rows;
-  Joints at = known.cell.arm.home;
   for (std::size_t i = 0; i < tips.size();) {
-    const auto theta = way_to(known, at, tips[i]);
+    const PlanRow row{fmt::format("{}_{:03}", name_in(kPurposes, plan), first + rows.size()), plan,
+                      tips[i]};
+    const auto theta = way_to(known, at, row);
     if (!theta) {
       ++i;
       continue;
     }
     at = *theta;
-    rows.push_back(
-        {fmt::format("{}_{:03}", name_in(kPurposes, plan), first + rows.size()), plan, tips[i]});
+    rows.push_back(row);
     tips.erase(tips.begin() + static_cast<std::ptrdiff_t>(i));
     i = 0;
   }
@@ -251,30 +281,20 @@ ExperimentSize first_size(const PlanRequest& request) {
   return size;
 }
 
-/// Returns the poses of a plan's rows as far as they have any.
-std::vector<PoseSample> poses_of(const KnownCell& known, const std::vector<PlanRow>& rows) {
-  std::vector<PoseSample> poses;
-  for (const PlanRow& row : rows) {
-    if (const auto* theta = std::get_if<Joints>(&row.where))
-      poses.push_back(pose_at(known, *theta));
-    if (const auto* tip = std::get_if<TipPose>(&row.where))
-      poses.push_back(pose_at(known, known.planner.plan(*tip, known.cell.arm.home).theta));
-  }
-  return poses;
-}
-
 double length_of(double sigma) {
   return sigma * std::sqrt(kPi / 2.0);
 }
 
-/// Chooses places for readings, and says in `plan`, whose rows are read before them, what to
-/// expect.
+/// Chooses places for readings, and says in `plan` what to expect. The arm is read at `swept`
+/// before.
 std::vector<TipPose> most_telling(const KnownCell& known, const std::vector<PairRow>& pairs,
-                                  int places, ProposedPlan& plan) {
+                                  int places, const std::vector<Joints>& swept,
+                                  ProposedPlan& plan) {
   const Candidates candidates = candidates_of(known);
-  const NextPlaces next =
-      choose_next_places(estimate_of(known, pairs), candidates.poses,
-                         static_cast<std::size_t>(places), poses_of(known, plan.rows));
+  std::vector<PoseSample> first;
+  for (const Joints& theta : swept) first.push_back(pose_at(known, theta));
+  const NextPlaces next = choose_next_places(estimate_of(known, pairs), candidates.poses,
+                                             static_cast<std::size_t>(places), first);
   plan.before = length_of(next.sigmas.front());
   plan.after = length_of(next.sigmas.back());
   plan.enough = static_cast<int>(
@@ -322,27 +342,35 @@ ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
   int places = request.readings;
   if (pairs.empty()) {
     const ExperimentSize size = first_size(request);
-    plan.rows = drawn_rows(cell, size);
+    plan.rows = with_free_sweep(known_cell, drawn_rows(cell, size));
     places = size.training_points;
   }
+  const std::vector<Joints> swept = keep_reachable(known_cell, plan.rows);
+  Joints at = swept.empty() ? cell.arm.home : swept.back();
   const auto add = [&](Purpose kind, std::vector<TipPose> tips) {
-    for (PlanRow& row : rows_at_random(known_cell, kind, std::move(tips), next_number(kind, pairs)))
+    for (PlanRow& row :
+         rows_at_random(known_cell, kind, std::move(tips), next_number(kind, pairs), at))
       plan.rows.push_back(std::move(row));
   };
-  if (places > 0) add(Purpose::kTrain, most_telling(known_cell, pairs, places, plan));
+  if (places > 0) add(Purpose::kTrain, most_telling(known_cell, pairs, places, swept, plan));
   const std::size_t before = plan.rows.size();
   add(Purpose::kPose, unattended_poses(cell, request.unattended, pairs.size()));
   if (request.readings == 0)
     require_poses(cell, plan.rows.size() - before, pairs.empty() ? kFewestPoses : 1);
   // Views of the board come last: only the other rows need the tracker, which is rented.
-  std::stable_partition(plan.rows.begin(), plan.rows.end(),
-                        [](const PlanRow& row) { return !shows_board(row.plan); });
+  const auto views =
+      std::stable_partition(plan.rows.begin(), plan.rows.end(),
+                            [](const PlanRow& row) { return !shows_board(row.plan); });
+  plan.left_out =
+      request.readings + request.unattended - static_cast<int>(views - plan.rows.begin());
   return plan;
 }
 
 ReportList proposal_list(const ProposedPlan& plan) {
   ReportList list;
   list.line("rows", "{rows}", plan.rows.size());
+  list.line_if(plan.left_out > 0, "left out",
+               "{left_out} of the places asked for: no further free one is known", plan.left_out);
   if (plan.readings == 0) return list;
   list.line("end point",
             "{expected_before_mm:.4f} mm expected now, {expected_after_mm:.4f} mm after these "

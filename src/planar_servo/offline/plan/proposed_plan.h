@@ -41,6 +41,7 @@ struct PlanRequest {
 struct ProposedPlan {
   std::vector<PlanRow> rows;
   int readings{0};
+  int left_out{0};     ///< places asked for that the rows lack
   double before{0.0};  ///< by what was read so far
   double after{0.0};
   int enough{0};  ///< this many of the readings reach nearly that accuracy
