@@ -90,6 +90,24 @@ TEST_CASE("A file that the servo could not read is faulty, and says what mends i
   }
 }
 
+TEST_CASE("A tool's file that the servo could not read is faulty, one not taught yet is told") {
+  const test::TemporaryFolder folder;
+  std::filesystem::copy(test::workshop_cell_file().parent_path(), folder.path(),
+                        std::filesystem::copy_options::recursive);
+  folder.write("needle.yaml", "");
+  const std::string tools = "\ntools: {needle: needle.yaml, drill: drill.yaml}\n";
+  folder.write("cell.yaml", read_file(folder / "cell.yaml") + tools);
+  bool is_faulty = false, is_absent = false;
+  for (const Finding& finding : examine_cell(folder / "cell.yaml")) {
+    is_faulty =
+        is_faulty || (finding.where == "needle.yaml" && finding.verdict == Verdict::kFaulty);
+    is_absent = is_absent || (finding.where == "drill.yaml" && finding.verdict == Verdict::kWell &&
+                              finding.fault.find("planar-teach-tool") != std::string::npos);
+  }
+  CHECK(is_faulty);
+  CHECK(is_absent);
+}
+
 TEST_CASE("A workplane without the cell's reference lamps is faulty, as for the servo") {
   const std::string workplane =
       read_file(test::workshop_cell_file().parent_path() / "workplane.yaml");

@@ -1,9 +1,13 @@
 #include "planar_servo/console/doctor/next_step.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdio>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -12,6 +16,8 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/recording_tables.h"
 #include "planar_servo/files/tables/result_table.h"
+#include "planar_servo/files/work_file.h"
+#include "planar_servo/machine/device_kinds.h"
 #include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"
@@ -165,7 +171,7 @@ TEST_CASE("A bar and marks beside the cell file enter the fit of the map") {
   folder.write("pairs.csv", kOnePair);
   CHECK(next_of(work_steps(cell, kUsualBoard)).name == "bar and marks");
   CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).command,
-             Contains("bar/marks.png | planar-jog"));
+             EndsWith("/bar && echo save marks.png | planar-jog --cell ../cell.yaml)"));
   folder.write("bar.csv", marks);
   CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).what, Contains("0 of 8 pictures of"));
   CHECK_THAT(next_of(work_steps(cell, kUsualBoard)).command, Contains("planar-record --cell"));
@@ -177,6 +183,80 @@ TEST_CASE("A bar and marks beside the cell file enter the fit of the map") {
   const WorkStep map = next_of(work_steps(cell, kUsualBoard));
   CHECK(map.name == "error map");
   CHECK_THAT(map.command, Contains(" --bar ") && Contains(" --marks ") && Contains("bar/*.png"));
+}
+
+/// The places of a command that writes targets, metres.
+std::vector<Eigen::Vector2d> written_places(const std::string& command) {
+  std::vector<Eigen::Vector2d> places;
+  std::istringstream words(command.substr(command.find("y_mm ") + 5));
+  for (std::string word; words >> word && word.front() != '>';) {
+    double x_mm = 0.0, y_mm = 0.0;
+    REQUIRE(std::sscanf(word.c_str(), "%*c,%lf,%lf", &x_mm, &y_mm) == 2);
+    places.emplace_back(1e-3 * x_mm, 1e-3 * y_mm);
+  }
+  return places;
+}
+
+TEST_CASE("On a work, targets are places of its drawing, and wait until it is found") {
+  const test::TemporaryFolder folder;
+  copy_workshop(folder);
+  const auto cell = folder / "cell.yaml";
+  const auto drawing = folder.write(
+      "work.csv", "id,x_mm,y_mm,kind,size_mm\nA,0,0,bright_disc,8\nB,120,80,bright_disc,8\n");
+  const auto unknown = work_steps(cell, kUsualBoard);
+  CHECK(next_of(unknown).name == "workpiece");
+  CHECK(named(unknown, "targets").command.empty());
+  CHECK_THAT(named(unknown, "targets").what, EndsWith("in the coordinates of work.csv"));
+
+  FoundWork work;
+  work.pose.A << 0.0, -1.0, 1.0, 0.0;
+  work.pose.t << -0.2, -0.3;
+  for (const Fiducial& mark : read_work_drawing(drawing))
+    work.fiducials.push_back({mark, {}, work.pose.in_base(mark.p_W), {}, 1e-5});
+  folder.write("work.yaml",
+               work_text({{}, {}, {work}}, work_origins(read_cell(cell), drawing, true), "a test"));
+  const WorkStep targets = next_of(work_steps(cell, kUsualBoard));
+  CHECK(targets.name == "targets");
+  const std::vector<Eigen::Vector2d> places = written_places(targets.command);
+  CHECK(places.size() == 3);
+  for (const Eigen::Vector2d& p_W : places) {
+    INFO(p_W.transpose());
+    CHECK(
+        Eigen::AlignedBox2d(Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.12, 0.08)).contains(p_W));
+  }
+}
+
+TEST_CASE("A camera file of ViSP's is calibrated with ViSP's model, others by choice") {
+  const test::TemporaryFolder folder;
+  const std::string text = read_file(test::paper_cell_file());
+  CHECK_THAT(named(work_steps(folder.write("cell.yaml", text), kUsualBoard), "camera").command,
+             Contains("--model auto -o"));
+  const auto visp = folder.write("cell.yaml", test::replaced(text, "camera.yaml", "camera.xml"));
+  CHECK_THAT(named(work_steps(visp, kUsualBoard), "camera").command, Contains("--model visp -o"));
+}
+
+TEST_CASE("A doubtful value of the cell file is told and holds nothing up") {
+  const test::TemporaryFolder folder;
+  const auto cell = folder.write("cell.yaml", test::replaced(read_file(test::paper_cell_file()),
+                                                             "[300.0, 300.0]", "[0.3, 0.3]"));
+  const auto steps = work_steps(cell, kUsualBoard);
+  CHECK(named(steps, "cell file").state == State::kDone);
+  CHECK_THAT(named(steps, "cell file").what, Contains("arm.link_lengths_mm is [0.3, 0.3]"));
+  CHECK(next_of(steps).name == "plan");
+}
+
+TEST_CASE("A tool that is taught anew in another file is to be named in the cell file") {
+  const test::TemporaryFolder folder;
+  copy_workshop(folder);
+  const std::string tools = "\ntools: {needle: needle.yaml}\n";
+  const auto cell = folder.write("cell.yaml", read_file(folder / "cell.yaml") + tools);
+  const WorkStep first = next_of(work_steps(cell, kUsualBoard));
+  CHECK_THAT(first.command, EndsWith("needle.yaml"));
+  CHECK_THAT(first.what, !Contains("name the new file"));
+  folder.write("needle.yaml", "");
+  const WorkStep again = next_of(work_steps(cell, kUsualBoard));
+  CHECK_THAT(again.command, EndsWith("needle_2.yaml"));
+  CHECK_THAT(again.what, Contains("name the new file in the cell file"));
 }
 
 TEST_CASE("A cell file with faults has no next step") {

@@ -108,6 +108,43 @@ TEST_CASE("An inner radius in metres is questioned, and none is not") {
   CHECK(question_values(cell).empty());
 }
 
+TEST_CASE("Sizes of arm and obstacles in metres are questioned") {
+  const auto with = [](auto change) {
+    CellSettings cell = paper_cell();
+    cell.arm.geometry.body.link_widths_m = {0.06, 0.06};
+    cell.workspace.barriers = {{"post", {{-0.3, 0.3}}, 0.05, {0.0, 0.08}}};
+    change(cell.arm.geometry.body, cell.workspace.barriers[0]);
+    return cell;
+  };
+  CHECK(question_values(with([](auto&, auto&) {})).empty());
+  check_question(with([](auto& body, auto&) { body.link_widths_m[1] = 0.06e-3; }),
+                 "arm.link_width_mm", "is 0.06 mm; metres");
+  check_question(with([](auto& body, auto&) {
+                   body.link_heights[1] = {0.05e-3, 0.09e-3};
+                 }),
+                 "arm.link_height_mm", "is 0.04 mm; metres");
+  check_question(with([](auto& body, auto&) { body.tool_radius_m = 0.03e-3; }),
+                 "arm.tool_radius_mm", "is 0.03 mm; metres");
+  check_question(with([](auto& body, auto&) {
+                   body.tool_heights = {0.0, 0.05e-3};
+                 }),
+                 "arm.tool_height_mm", "is 0.05 mm; metres");
+  check_question(with([](auto&, auto& post) { post.radius_m = 0.05e-3; }),
+                 "workspace.obstacles: post", "is 0.05 mm; metres");
+  check_question(with([](auto&, auto& post) {
+                   post.heights = {0.0, 0.08e-3};
+                 }),
+                 "workspace.obstacles: post", "is 0.08 mm; metres");
+}
+
+TEST_CASE("A home pose at which the arm touches an obstacle is questioned") {
+  CellSettings cell = paper_cell();
+  cell.arm.geometry.body.link_widths_m = {0.06, 0.06};
+  const Eigen::Vector2d end_B = PlanarArm(cell.arm.geometry).forward(cell.arm.home).p;
+  cell.workspace.barriers = {{"post", {end_B}, 0.05, {}}};
+  check_question(cell, "arm.home_deg", "link 2 would touch the obstacle post");
+}
+
 TEST_CASE("A home pose and a direction of the tool in radians are questioned, small angles not") {
   CellSettings cell = paper_cell();
   cell.arm.home = Joints(0.0, 1.0472, -0.785) * kDegree;

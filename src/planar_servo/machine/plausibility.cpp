@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "planar_servo/base/core/units.h"
 
@@ -67,16 +68,23 @@ std::vector<Finding> question_angles(const std::string& key, std::vector<double>
                    "write degrees, such as 90 for 1.571 radians")};
 }
 
-/// Questions a home pose that some motor cannot take.
+/// Questions a home pose that some motor cannot take, or at which the arm touches an obstacle.
 std::vector<Finding> question_home(const CellSettings& cell) {
-  const auto violation = Transmission(cell.transmission).limit_violation(cell.arm.home);
+  const PlanarArm arm(cell.arm.geometry);
+  const Joints& home = cell.arm.home;
+  const ArmGap nearest = smallest_gap(cell.arm.geometry.body, cell.workspace.barriers,
+                                      arm.elbow_place(home), arm.forward(home).p);
+  auto violation = Transmission(cell.transmission).limit_violation(home);
+  if (nearest.gap_m < 0.0)
+    violation = fmt::format("{} would touch the obstacle {}, or come nearer than clearance_mm",
+                            nearest.part, cell.workspace.barriers[nearest.barrier].name);
   if (!violation) return {};
   return {question("arm.home_deg", "the arm cannot go there: " + *violation,
-                   "write each joint's angle from the base's x axis, within arm.joint_limits_deg; "
-                   "coupling and home_deg must go together")};
+                   "write each joint's angle from the base's x axis, within arm.joint_limits_deg "
+                   "and clear of obstacles; coupling and home_deg must go together")};
 }
 
-/// A value in the unit of its key, and between which bounds it usually is.
+/// A value in the unit of its key, 0 for none, and between which bounds it usually is.
 struct UsualValue {
   std::string key;
   double value, least, most;
@@ -87,7 +95,7 @@ struct UsualValue {
 std::vector<Finding> question_unusual(const std::vector<UsualValue>& values) {
   std::vector<Finding> findings;
   for (const UsualValue& v : values)
-    if (v.value < v.least || v.value > v.most)
+    if (v.value != 0.0 && (v.value < v.least || v.value > v.most))
       findings.push_back(
           question(v.key,
                    fmt::format("is {:g}; {}", v.value,
@@ -119,17 +127,12 @@ std::vector<Finding> question_diameters(const CellSettings& cell) {
 /// A tracker without scatter is left alone: some figures are made with one.
 std::vector<Finding> question_tracker(const TrackerSettings& tracker) {
   const char* const remedy = "write millimetres, such as 0.01 for 10 micrometres";
-  std::vector<UsualValue> values;
-  if (tracker.sigma_m > 0.0)
-    values.push_back({"tracker.sigma_mm", mm(tracker.sigma_m), 1e-4, 2.0,
-                      "trackers scatter by {:g} to {:g} mm", remedy});
-  if (tracker.sigma_m_per_m > 0.0)
-    values.push_back({"tracker.sigma_mm_per_m", mm(tracker.sigma_m_per_m), 1e-4, 1.0,
-                      "with each metre trackers scatter by {:g} to {:g} mm more", remedy});
-  if (tracker.bias_m.value_or(0.0) > 0.0)
-    values.push_back({"tracker.bias_mm", mm(*tracker.bias_m), 1e-4, 0.1,
-                      "trackers err by {:g} to {:g} mm over a field", remedy});
-  return question_unusual(values);
+  return question_unusual({{"tracker.sigma_mm", mm(tracker.sigma_m), 1e-4, 2.0,
+                            "trackers scatter by {:g} to {:g} mm", remedy},
+                           {"tracker.sigma_mm_per_m", mm(tracker.sigma_m_per_m), 1e-4, 1.0,
+                            "with each metre trackers scatter by {:g} to {:g} mm more", remedy},
+                           {"tracker.bias_mm", mm(tracker.bias_m.value_or(0.0)), 1e-4, 0.1,
+                            "trackers err by {:g} to {:g} mm over a field", remedy}});
 }
 
 std::vector<Finding> question_speeds_servo_and_pitch(const CellSettings& cell) {
@@ -153,12 +156,13 @@ std::vector<Finding> question_speeds_servo_and_pitch(const CellSettings& cell) {
 }
 
 /// Questions places that are as near to the base's axis as metres would make them, or far off.
-std::vector<Finding> question_places(const std::string& key, const std::vector<double>& distances_m,
-                                     double arm_m) {
+std::vector<Finding> question_places(const std::string& key,
+                                     const std::vector<Eigen::Vector2d>& places_B, double arm_m) {
   constexpr double kMostShare = 1000.0;
-  if (distances_m.empty()) return {};
-  const double farthest_m = *std::max_element(distances_m.begin(), distances_m.end());
-  if (farthest_m >= kLeastShare * arm_m && farthest_m <= kMostShare * arm_m) return {};
+  double farthest_m = 0.0;
+  for (const Eigen::Vector2d& p_B : places_B) farthest_m = std::max(farthest_m, p_B.norm());
+  if (places_B.empty() || (farthest_m >= kLeastShare * arm_m && farthest_m <= kMostShare * arm_m))
+    return {};
   return {question(key,
                    fmt::format("no place is farther than {:g} mm from the base's axis; the arm is "
                                "{:g} mm long",
@@ -166,51 +170,46 @@ std::vector<Finding> question_places(const std::string& key, const std::vector<d
                    "write millimetres in the base frame, such as 300 for 0.3 m")};
 }
 
-std::vector<Finding> question_datum(const std::vector<Monument>& datum, double arm_m) {
-  std::vector<double> distances_m;
-  distances_m.reserve(datum.size());
-  for (const Monument& monument : datum) distances_m.push_back(monument.p_B.head<2>().norm());
-  return question_places("datum", distances_m, arm_m);
-}
-
-std::vector<Finding> question_reference_lamps(const std::vector<ReferenceLampLayout>& lamps,
-                                              double arm_m) {
-  std::vector<double> distances_m;
-  distances_m.reserve(lamps.size());
-  for (const ReferenceLampLayout& lamp : lamps)
-    if (lamp.p_B) distances_m.push_back(lamp.p_B->norm());
-  return question_places("reference_lamps", distances_m, arm_m);
-}
-
-/// Says why a disc keeps the end point out of nothing that it could reach; empty when it may do so.
-std::string why_idle(const KeepOut& disc, const Workspace& workspace) {
-  const double distance_m = disc.p_B.norm();
-  if (disc.radius_m < kLeastObstacle_m) return "metres would be such numbers";
-  const bool is_outside = distance_m - disc.radius_m >= workspace.radius_max_m ||
-                          distance_m + disc.radius_m <= workspace.radius_min_m;
-  return is_outside ? "it lies outside the workspace and keeps nothing out" : "";
-}
-
+/// Questions discs that keep the end point out of nothing that it could reach.
 std::vector<Finding> question_keep_out(const Workspace& workspace) {
   std::vector<Finding> findings;
   for (std::size_t i = 0; i < workspace.keep_out.size(); ++i) {
-    const KeepOut& disc = workspace.keep_out[i];
-    const std::string why = why_idle(disc, workspace);
-    if (why.empty()) continue;
+    const auto& [p_B, radius_m] = workspace.keep_out[i];
+    const bool is_tiny = radius_m < kLeastObstacle_m;
+    if (!is_tiny && p_B.norm() - radius_m < workspace.radius_max_m &&
+        p_B.norm() + radius_m > workspace.radius_min_m)
+      continue;
     findings.push_back(question(
         fmt::format("workspace.keep_out[{}]", i),
-        fmt::format("is at ({:g}, {:g}) with the radius {:g} mm; {}", mm(disc.p_B.x()),
-                    mm(disc.p_B.y()), mm(disc.radius_m), why),
+        fmt::format("is at ({:g}, {:g}) with the radius {:g} mm; {}", mm(p_B.x()), mm(p_B.y()),
+                    mm(radius_m),
+                    is_tiny ? "metres would be such numbers"
+                            : "it lies outside the workspace and keeps nothing out"),
         "write millimetres in the base frame, such as 200 for 0.2 m, or leave the disc out"));
   }
   return findings;
 }
 
-std::vector<Finding> question_inner_radius(double radius_m) {
-  if (radius_m <= 0.0 || radius_m >= kLeastObstacle_m) return {};
-  return {question("workspace.radius_min_mm",
-                   fmt::format("is {:g}; metres would be such numbers", mm(radius_m)),
-                   "write millimetres, such as 60 for 0.06 m, or 0 where nothing is in the way")};
+/// Questions what is too small to be in the arm's way, or a part of the arm.
+std::vector<Finding> question_sizes(const ArmBody& body, const Workspace& workspace) {
+  const auto height_m = [](const Heights& heights) { return heights.to_m - heights.from_m; };
+  std::vector<std::pair<std::string, double>> sizes_m{
+      {"workspace.radius_min_mm", workspace.radius_min_m},
+      {"arm.link_width_mm", body.link_widths_m.minCoeff()},
+      {"arm.link_height_mm",
+       std::min(height_m(body.link_heights[0]), height_m(body.link_heights[1]))},
+      {"arm.tool_radius_mm", body.tool_radius_m},
+      {"arm.tool_height_mm", height_m(body.tool_heights)}};
+  for (const Barrier& barrier : workspace.barriers)
+    for (const double size_m : {barrier.radius_m, height_m(barrier.heights)})
+      sizes_m.emplace_back("workspace.obstacles: " + barrier.name, size_m);
+  std::vector<Finding> findings;
+  for (const auto& [key, size_m] : sizes_m)
+    if (size_m > 0.0 && size_m < kLeastObstacle_m)
+      findings.push_back(
+          question(key, fmt::format("is {:g} mm; metres would be such numbers", mm(size_m)),
+                   "write millimetres, such as 60 for 0.06 m"));
+  return findings;
 }
 
 /// Questions a length of the cell that is longer than the one it must fit into, or far shorter.
@@ -229,6 +228,10 @@ std::vector<Finding> question_length(const std::string& key, double length_m, do
 std::vector<Finding> question_values(const CellSettings& cell) {
   const Eigen::Vector2d& links_m = cell.arm.geometry.link_lengths_m;
   const Joints& home = cell.arm.home;
+  std::vector<Eigen::Vector2d> monuments_B, lamps_B;
+  for (const Monument& monument : cell.datum) monuments_B.emplace_back(monument.p_B.head<2>());
+  for (const ReferenceLampLayout& lamp : cell.reference_lamps)
+    if (lamp.p_B) lamps_B.push_back(*lamp.p_B);
   std::vector<Finding> findings;
   for (const std::vector<Finding>& questions :
        {question_links(links_m), question_limits(cell.transmission.limits_rad), question_home(cell),
@@ -241,9 +244,9 @@ std::vector<Finding> question_values(const CellSettings& cell) {
         question_length("workspace.radius_max_mm", cell.workspace.radius_max_m, links_m.sum(),
                         "the arm stretched out",
                         "write, in millimetres, how far from the base the end point may go"),
-        question_inner_radius(cell.workspace.radius_min_m), question_keep_out(cell.workspace),
-        question_reference_lamps(cell.reference_lamps, links_m.sum()),
-        question_tracker(cell.tracker), question_datum(cell.datum, links_m.sum())})
+        question_sizes(cell.arm.geometry.body, cell.workspace), question_keep_out(cell.workspace),
+        question_places("reference_lamps", lamps_B, links_m.sum()), question_tracker(cell.tracker),
+        question_places("datum", monuments_B, links_m.sum())})
     findings.insert(findings.end(), questions.begin(), questions.end());
   return findings;
 }

@@ -20,6 +20,7 @@
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/files/map_file.h"
 #include "planar_servo/files/provenance.h"
+#include "planar_servo/files/tool_file.h"
 #include "planar_servo/geometry/lens/workplane.h"
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -104,6 +105,10 @@ std::optional<Refusal> objection_of(const CellSettings& cell, const MadeFile& fi
     case Role::kTool:
       read_tool(file.path);
       break;
+    case Role::kToolTip:
+      read_tool_tip(file.path);
+      require_made_with(file, tool_tip_origins(cell), false);
+      break;
     case Role::kErrorMap:
       return objection(read_map(file.path).quality);
     case Role::kHealth:
@@ -170,7 +175,9 @@ std::vector<Eigen::Vector2d> reachable_places(const CellSettings& cell) {
 std::vector<Finding> examine_files(const CellSettings& cell) {
   std::vector<Finding> findings;
   const std::vector<StaleFile> all_stale = stale_files(cell, true);
-  for (const MadeFile& file : made_files(cell, true)) {
+  std::vector<MadeFile> files = made_files(cell, true);
+  for (const auto& [name, tip] : cell.tools) files.push_back({Role::kToolTip, tip});
+  for (const MadeFile& file : files) {
     std::vector<Finding> reasons = examine_content(cell, file);
     for (const StaleFile& stale : all_stale)
       if (stale.path == file.path) reasons.push_back(faulty(file.path.filename().string(), stale));

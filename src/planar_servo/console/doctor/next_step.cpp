@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
 #include <optional>
@@ -48,11 +50,14 @@ std::vector<MadeFile> existing(std::vector<MadeFile> files) {
   return files;
 }
 
-/// Whether a certificate ended before its last move, by its figures.
-bool was_ended(const fs::path& figures) {
-  const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
-  return json.is_object() && json.contains("ended_by") && json["ended_by"] != "" &&
-         !json["ended_by"].is_null();
+/// Returns the figures of a certificate that did not end before its last move; else null.
+nlohmann::json figures_of(const fs::path& certificate) {
+  const fs::path file = certificate / "certificate.json";
+  if (!fs::exists(file)) return nullptr;
+  auto json = nlohmann::json::parse(read_file(file), nullptr, false);
+  const bool is_whole = !json.is_object() || !json.contains("ended_by") || json["ended_by"] == "" ||
+                        json["ended_by"].is_null();
+  return is_whole ? json : nullptr;
 }
 
 /// Knows the files of the work on a cell, those that the cell file names and those beside it, and
@@ -165,8 +170,7 @@ class WorkFiles {
   /// Returns whether the cell file and calibration of now can continue the certificate of a folder.
   bool is_certificate_to_continue(const fs::path& certificate) const {
     const fs::path cycles = certificate / "cycles.csv", results = certificate / "results.csv";
-    const fs::path figures = certificate / "certificate.json";
-    if (fs::exists(figures) && !was_ended(figures)) return false;
+    if (!figures_of(certificate).is_null()) return false;
     if (!fs::exists(cycles)) return !fs::exists(results);
     return remark_in(cycles, "# cell: ") == content_sha256(cell_.file) &&
            (!fs::exists(results) || are_results_of_now(results));
@@ -174,9 +178,7 @@ class WorkFiles {
 
   /// Returns whether the folder of a certificate is about the calibration as it is now.
   bool is_certificate_of_now(const fs::path& certificate) const {
-    const fs::path figures = certificate / "certificate.json";
-    if (!fs::exists(figures) || was_ended(figures)) return false;
-    const auto json = nlohmann::json::parse(read_file(figures), nullptr, false);
+    const nlohmann::json json = figures_of(certificate);
     if (!json.is_object() || !json.contains("files")) return false;
     const std::string certified = json["files"].dump();
     const std::vector<MadeFile> files = calibration_files(cell_, true);
@@ -247,13 +249,14 @@ std::string command(const WorkFiles& work, const char* program, const std::strin
   return fmt::format("{} --cell {}{}", program, shell_word(work.cell().file), rest);
 }
 
+/// A value that is doubtful may be meant, and holds nothing up.
 WorkStep cell_step(const WorkFiles& work) {
-  Reason reason;
-  for (const Finding& finding : question_values(work.cell()))
-    if (finding.verdict == Finding::Verdict::kFaulty)
-      reason = fmt::format("{}; {}", finding.fault, finding.remedy);
-  return step("cell file", reason, work.cell().file.string() + " is in order",
-              command(work, "planar-doctor", ""));
+  const std::string file = work.cell().file.string();
+  const std::vector<Finding> doubts = question_values(work.cell());
+  return {State::kDone, "cell file",
+          doubts.empty() ? file + " is in order"
+                         : fmt::format("doubtful in {}: {} {}; planar-doctor says more", file,
+                                       doubts[0].where, doubts[0].fault)};
 }
 
 /// Returns whether readings of a tracker tell the error, perhaps written by its own software; else
@@ -347,8 +350,9 @@ std::optional<WorkStep> anchor_step(const WorkFiles& work, bool is_read) {
               has_bar ? command(work, "planar-record",
                                 fmt::format(" --bar {} --out {}",
                                             shell_word(work.beside("bar.csv")), folder))
-                      : fmt::format("mkdir -p {0} && echo save {0}/marks.png | {1}", folder,
-                                    command(work, "planar-jog", "")));
+                      : fmt::format("(mkdir -p {0} && cd {0} && echo save marks.png | "
+                                    "planar-jog --cell ../{1})",
+                                    folder, shell_word(work.cell().file.filename())));
 }
 
 WorkStep lamp_step(const WorkFiles& work, bool is_read) {
@@ -362,10 +366,10 @@ WorkStep lamp_step(const WorkFiles& work, bool is_read) {
 
 WorkStep camera_step(const WorkFiles& work) {
   const fs::path& camera = work.cell().camera_model;
-  return step(
-      "camera", work.reason_of({camera}), work.description(camera),
-      fmt::format("planar-calibrate-camera --grid {} --model auto -o {} {}",
-                  shell_word(work.board()), shell_word(camera), shell_word(work.recording())));
+  return step("camera", work.reason_of({camera}), work.description(camera),
+              fmt::format("planar-calibrate-camera --grid {} --model {} -o {} {}",
+                          shell_word(work.board()), camera.extension() == ".xml" ? "visp" : "auto",
+                          shell_word(camera), shell_word(work.recording())));
 }
 
 /// A person shows the board to a real cell's camera.
@@ -442,8 +446,10 @@ std::optional<WorkStep> tool_step(const WorkFiles& work) {
     } catch (const InputError& error) {
       // One that was there is kept until its successor is.
       const fs::path out = fs::exists(file) ? work.next_of(file.stem().string(), ".yaml") : file;
-      return step("tools", fmt::format("tool '{}': {}", name, error.what()), "",
-                  command(work, "planar-teach-tool", " -o " + shell_word(out)));
+      return step("tools",
+                  fmt::format("tool '{}': {}{}", name, error.what(),
+                              out == file ? "" : "; name the new file in the cell file, too"),
+                  "", command(work, "planar-teach-tool", " -o " + shell_word(out)));
     }
   if (cell.tools.empty()) return std::nullopt;
   return WorkStep{State::kDone, "tools", fmt::format("{} taught", cell.tools.size())};
@@ -468,25 +474,45 @@ std::optional<WorkStep> workpiece_step(const WorkFiles& work) {
                       fmt::format(" --drawing {} -o {}", shell_word(drawing), shell_word(found))));
 }
 
+/// Returns places that the arm reaches, on a work the three nearest to its middle, as drawn.
+std::vector<Eigen::Vector2d> target_places(const WorkFiles& work, bool on_work) {
+  std::vector<Eigen::Vector2d> places = reachable_places(work.cell());
+  if (!on_work) return places;
+  const FoundWork found = read_works(work.beside("work.yaml")).works.front();
+  Eigen::AlignedBox2d marks;
+  for (const FoundFiducial& mark : found.fiducials) marks.extend(mark.fiducial.p_W);
+  for (Eigen::Vector2d& p : places) p = found.pose.A.inverse() * (p - found.pose.t);
+  std::sort(places.begin(), places.end(), [&](const auto& a, const auto& b) {
+    return (a - marks.center()).norm() < (b - marks.center()).norm();
+  });
+  places.resize(std::min<std::size_t>(places.size(), 3));
+  return places;
+}
+
 /// Returns a command that writes three targets where the arm can go.
-std::string target_command(const WorkFiles& work) {
-  const std::vector<Eigen::Vector2d> places = reachable_places(work.cell());
+std::string target_command(const WorkFiles& work, bool on_work) {
+  const std::vector<Eigen::Vector2d> places = target_places(work, on_work);
   constexpr const char* kNames[] = {"A", "B", "C"};
   std::string rows;
   for (std::size_t i = 0; i < std::size(kNames) && !places.empty(); ++i) {
-    const Eigen::Vector2d& p_B = places[(2 * i + 1) * places.size() / (2 * std::size(kNames))];
-    rows += fmt::format(" {},{:.0f},{:.0f}", kNames[i], mm(p_B.x()), mm(p_B.y()));
+    const Eigen::Vector2d& p = places[(2 * i + 1) * places.size() / (2 * std::size(kNames))];
+    rows += fmt::format(" {},{:.0f},{:.0f}", kNames[i], mm(p.x()), mm(p.y()));
   }
   return fmt::format("printf '%s\\n' id,x_mm,y_mm{} >{}", rows,
                      shell_word(work.beside("targets.csv")));
 }
 
-WorkStep target_step(const WorkFiles& work, bool is_read) {
+/// Targets on a work can be named once that is found.
+WorkStep target_step(const WorkFiles& work, const std::optional<WorkStep>& piece, bool is_read) {
   const fs::path targets = work.beside("targets.csv");
+  const std::string as_drawn = piece ? ", in the coordinates of work.csv" : "";
   Reason reason;
   if (is_read && !fs::exists(targets))
-    reason = targets.string() + " does not exist yet; planar-jog --teach writes one, too";
-  return step("targets", reason, work.description(targets), target_command(work));
+    reason = targets.string() + " does not exist yet" +
+             (piece ? as_drawn : "; planar-jog --teach writes one, too");
+  const bool is_lost = piece && piece->state == State::kOpen;
+  return step("targets", reason, work.description(targets) + as_drawn,
+              is_lost ? "" : target_command(work, piece.has_value()));
 }
 
 WorkStep run_step(const WorkFiles& work) {
@@ -549,9 +575,10 @@ std::vector<WorkStep> work_steps(const fs::path& cell_file, const std::string& b
   for (WorkStep& calibration : calibration_steps(work)) steps.push_back(std::move(calibration));
   const WorkStep run = run_step(work);
   steps.push_back(calculated(arm_step(work)));
-  for (auto& optional : {tool_step(work), workpiece_step(work)})
+  const std::optional<WorkStep> piece = workpiece_step(work);
+  for (const auto& optional : {tool_step(work), piece})
     if (optional) steps.push_back(*optional);
-  steps.push_back(target_step(work, run.state == State::kOpen));
+  steps.push_back(target_step(work, piece, run.state == State::kOpen));
   steps.push_back(run);
   steps.push_back(certificate_step(work));
   const auto next = std::find_if(steps.begin(), steps.end(),

@@ -16,7 +16,7 @@ struct WorkStep {
   State state{State::kDone};
   std::string name;           ///< such as "camera"
   std::string what;           ///< what there is, or why the step is to be done, perhaps again
-  std::string command{};      ///< for a shell where the cell file was named; empty when done
+  std::string command{};      ///< for a shell where the cell was named; empty if done or unknown
   bool is_calculated{false};  ///< the command only reads and writes files, and nobody need watch
 };
 
