@@ -66,9 +66,10 @@ endfunction()
 
 planar_precompiled(planar_room_headers LINKS opencv_core HEADERS opencv2/core.hpp)
 # Programs and the rooms above the loop are large and compute little: -O1 takes a sixth off.
+# (CLI11's headers hold objects that each file would have to build: compiled beforehand they save nothing.)
 planar_precompiled(planar_program_headers
-  LINKS CLI11::CLI11 nlohmann_json::nlohmann_json opencv_core
-  HEADERS CLI/App.hpp nlohmann/json.hpp opencv2/core.hpp LEVEL -O1)
+  LINKS nlohmann_json::nlohmann_json opencv_core
+  HEADERS nlohmann/json.hpp opencv2/core.hpp LEVEL -O1)
 
 # planar_room(NAME [COMPUTES] LINKS rooms and packages others may see [PRIVATE_LINKS hidden ones])
 # One library per room, of every source in its folder; without sources it is headers only. The link

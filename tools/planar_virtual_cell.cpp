@@ -217,18 +217,22 @@ void add_serve_options(CLI::App& server, Options& options) {
 }
 
 void add_put_options(CLI::App& command, Options& options) {
+  constexpr double kFarthest_mm = 1e5;
   add_required(command, "--cell", options.cell, "cell.yaml", "the virtual cell");
   add_required(command, "--drawing", options.drawing, "work.csv", "the marks of the work");
   add_required(command, "--at", options.at, "X,Y,TURN",
                "where its origin lies and how it is turned, mm and deg")
       ->delimiter(',')
-      ->expected(3);
+      ->expected(3)
+      ->check(within(-kFarthest_mm, kFarthest_mm));
   add_value(command, "--higher-mm", options.higher_mm, "H",
-            "by how much it lies higher than the drawing's z_mm says");
+            "by how much it lies higher than the drawing's z_mm says")
+      ->check(within(-kFarthest_mm, kFarthest_mm));
   add_value(command, "--slide", options.slide, "AT_S,DX,DY,TURN",
             "when it slides, by how much, and turns")
       ->delimiter(',')
-      ->expected(4);
+      ->expected(4)
+      ->check(within(-kFarthest_mm, kFarthest_mm));
 }
 
 void add_options(CLI::App& app, Options& options) {

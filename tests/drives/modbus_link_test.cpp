@@ -14,6 +14,7 @@
 #include "planar_servo/hardware/links/command_link.h"
 #include "planar_servo/hardware/links/linked_drives.h"
 #include "planar_servo/machine/device_kinds.h"
+#include "support/grbl_bench.h"
 #include "support/link_bench.h"
 #include "support/refused.h"
 
@@ -148,6 +149,11 @@ TEST_CASE("A driver that says nothing is named with what to look at") {
     ModbusLine line;
     line.port = "/absent/port";
     CHECK_THROWS_MATCHES(ModbusLink(line), WorkError, Refused(Cause::kMissing, "/absent/port"));
+  }
+  SECTION("because another program has the line") {
+    const Bus bus({});
+    const test::PortReader cat(bus.line.port);
+    CHECK_THROWS_MATCHES(ModbusLink(bus.line), WorkError, Refused(Cause::kBusy, cat.name()));
   }
   SECTION("with registers of another make") {
     const Bus bus({}, "oriental-az");

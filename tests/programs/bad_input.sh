@@ -176,6 +176,7 @@ printf 'id,x_mm,y_mm\n' >no_numbers.csv
 printf 't%d,"200 mm",100\n' 1 2 3 4 5 6 >>no_numbers.csv
 expect 2 "^... and 3 more" "$bin/planar-servo" --cell cell/cell.yaml --targets no_numbers.csv --out made
 
+expect 2 "is 'nan'; a number from -100000 to 100000" "$bin/planar-virtual-cell" put --cell cell/cell.yaml --drawing work.csv --at nan,0,0
 # An output that is an input stays as it was.
 printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
 cp same.csv before.csv

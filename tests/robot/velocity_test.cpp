@@ -304,6 +304,9 @@ TEST_CASE("A drive that fails while the arm turns halts all and is named") {
   CHECK_THROWS_MATCHES(bench.visp.setVelocity(vpRobot::JOINT_STATE, column({0.2, 0.1, 0.3})),
                        DriveError, Refused(Cause::kDevice, "drive 2"));
   for (const auto& drive : bench.drives) CHECK(drive.halts == 1);
+  bench.drives[1].fault.clear();
+  bench.robot.energize();
+  CHECK_FALSE(bench.robot.move_to({0.2, 0.3 + kPi / 2.0, -0.4}));
 }
 
 TEST_CASE("Motors speed up and brake in one time, the slowest at its rated acceleration") {

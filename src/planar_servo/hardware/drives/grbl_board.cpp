@@ -149,18 +149,20 @@ Refusal why_not_opened(const std::string& port) {
   }
 }
 
+std::optional<Refusal> claim(int descriptor, const std::string& port) {
+  struct stat about {};
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 || !holders_of(port).empty()) return in_use(port);
+  // A pseudo-terminal's other end would keep it locked after a kill.
+  if (fstat(descriptor, &about) == 0 && !is_pseudo_terminal(about)) ioctl(descriptor, TIOCEXCL);
+  return std::nullopt;
+}
+
 SerialLine::SerialLine(const std::string& port, int baud)
     : descriptor_(open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)),
       reader_(descriptor_) {
   if (descriptor_ < 0) throw WorkError(why_not_opened(port));
-  std::optional<Refusal> fault;
-  struct stat about {};
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 || !holders_of(port).empty())
-    fault = in_use(port);
-  else if (!make_raw(descriptor_, baud) || fstat(descriptor_, &about) != 0)
-    fault = why_not_opened(port);
-  else if (!is_pseudo_terminal(about))  // whose other end would keep it locked after a kill
-    ioctl(descriptor_, TIOCEXCL);
+  std::optional<Refusal> fault = claim(descriptor_, port);
+  if (!fault && !make_raw(descriptor_, baud)) fault = why_not_opened(port);
   if (!fault) return;
   close(descriptor_);
   throw WorkError(*fault);

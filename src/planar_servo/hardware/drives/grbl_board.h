@@ -15,6 +15,10 @@ namespace planar {
 /// Says why a serial port was not opened, by `errno`, and what mends that.
 Refusal why_not_opened(const std::string& port);
 
+/// Keeps other programs from a port that is open as `descriptor`. Returns which have it already, as
+/// far as this user may see, if any do.
+std::optional<Refusal> claim(int descriptor, const std::string& port);
+
 /// A serial port that carries lines of text. It is refused while another program has it open, and
 /// kept from others where the system can do that.
 class SerialLine {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <sys/ioctl.h>
 #include <termios.h>
 
 #include <cerrno>
@@ -65,7 +64,8 @@ ModbusLink::ModbusLink(const ModbusLine& line)
       context_(modbus_new_rtu(line.port.c_str(), line.baud, line.parity, kDataBits, line.stop_bits),
                close_modbus) {
   if (!context_ || modbus_connect(context_.get()) != 0) throw WorkError(why_not_opened(line.port));
-  ioctl(modbus_get_socket(context_.get()), TIOCEXCL);  // nobody else opens it from now on
+  if (const auto taken = claim(modbus_get_socket(context_.get()), line.port))
+    throw WorkError(*taken);
   constexpr std::uint32_t kSecond_us = 1000000;
   const auto answer_us = static_cast<std::uint32_t>(std::lround(line.answer_s * kSecond_us));
   const bool is_set = modbus_set_response_timeout(context_.get(), answer_us / kSecond_us,

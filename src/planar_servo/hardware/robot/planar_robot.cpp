@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 #include "planar_servo/base/core/units.h"
 
@@ -131,8 +132,9 @@ auto PlanarRobot::or_halt(const Deed& deed) {
   } catch (const std::exception& cause) {
     try {
       halt();
-    } catch (const DriveError& error) {
-      throw_failure(fmt::format("{}; {}", cause.what(), error.what()));
+    } catch (const std::exception& error) {
+      if (error.what() != std::string_view(cause.what()))
+        throw_failure(fmt::format("{}; {}", cause.what(), error.what()));
     }
     throw;
   }
@@ -149,6 +151,7 @@ void PlanarRobot::switch_on() {
   by_hand_.clear();
   drives_.reconnect();
   drives_.set_limits(transmission_.rated_limits());
+  velocity_control_ = false;
   drives_.energize();
   read_positions(require_well());
 }

@@ -161,18 +161,27 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
   return light_first(record, changes_since(record));
 }
 
-double CellCheck::expected_s(std::size_t places) const {
-  double way_s = 0.0, margin_s = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const MotorDrive& drive = cell_.transmission.drives[i];
-    way_s = std::max(
-        way_s, MotorMove(0.0, CheckWays::first_moves()[static_cast<int>(i)], drive).duration_s());
-    if (cell_.servo.approach == Approach::kOneSide)
-      margin_s =
-          std::max(margin_s, MotorMove(0.0, cell_.servo.approach_margin_rad, drive).duration_s());
+double CellCheck::expected_s(int first_moves, const std::vector<HealthPlace>& places) const {
+  const auto motors_s = [&](const Eigen::Vector3d& way) {
+    double longest_s = 0.0;
+    for (int i = 0; i < 3; ++i)
+      longest_s =
+          std::max(longest_s, MotorMove(0.0, way[i], cell_.transmission.drives[i]).duration_s());
+    return longest_s;
+  };
+  const bool one_side = cell_.servo.approach == Approach::kOneSide;
+  const double margin = one_side ? cell_.servo.approach_margin_rad : 0.0;
+  const double stop_s = motors_s(Eigen::Vector3d::Constant(margin)) + cell_.servo.settle_s +
+                        cell_.servo.frames_per_measurement / cell_.camera.frame_rate_hz;
+  double all_s = first_moves * (motors_s(CheckWays::first_moves()) + stop_s);
+  const Joints here = robot_.commanded_joints();
+  Eigen::Vector3d motors = planner_.transmission().motors_from_joints(here);
+  for (const std::size_t next : ways_.visits(here, places).order) {
+    const Eigen::Vector3d there = planner_.transmission().motors_from_joints(places[next].theta);
+    all_s += motors_s(there - motors) + stop_s;
+    motors = there;
   }
-  const double look_s = cell_.servo.frames_per_measurement / cell_.camera.frame_rate_hz;
-  return static_cast<double>(places) * (way_s + margin_s + cell_.servo.settle_s + look_s);
+  return places.empty() ? all_s : all_s + stop_s;  // the last one from the other side as well
 }
 
 std::vector<HealthFinding> CellCheck::faults_in_first_moves(Joints theta) {
@@ -375,10 +384,10 @@ std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<Heal
       record ? fmt::format(", then the arm visits {} places of the calibration once more",
                            record->places.size())
              : "";
-  // The start and one stop for each motor; then the places, the last from the other side as well.
-  const std::size_t stops = 4 + (record ? record->places.size() + 1 : 0);
-  spdlog::info("checking the cell: each motor turns a little" + visits + "; " +
-               about_time(check.expected_s(stops)));
+  constexpr int kStops = 4;  // the start and one for each motor
+  spdlog::info(
+      "checking the cell: each motor turns a little" + visits + "; " +
+      about_time(check.expected_s(kStops, record ? record->places : std::vector<HealthPlace>())));
   std::vector<HealthFinding> found = check.first_moves(record);
   if (!found.empty()) return found;
   return record ? check.revisit(*record) : std::vector<HealthFinding>();
@@ -387,7 +396,7 @@ std::vector<HealthFinding> check_cell(CellCheck& check, const std::optional<Heal
 std::vector<HealthFinding> check_again(CellCheck& check, const HealthRecord& record) {
   spdlog::info(
       fmt::format("checking the cell again: the arm visits {} places of the calibration; {}",
-                  record.places.size(), about_time(check.expected_s(record.places.size() + 1))));
+                  record.places.size(), about_time(check.expected_s(0, record.places))));
   return check.revisit(record);
 }
 

@@ -44,9 +44,8 @@ class CellCheck {
   /// since, light and focus first.
   std::vector<HealthFinding> revisit(const HealthRecord& record);
 
-  /// Estimates how long the arm takes to go to so many places, settle and look, seconds, with ways
-  /// as long as the first moves.
-  double expected_s(std::size_t places) const;
+  /// Estimates how long so many first moves and the visits take, seconds.
+  double expected_s(int first_moves, const std::vector<HealthPlace>& places) const;
 
  private:
   std::vector<HealthFinding> faults_in_first_moves(Joints theta);

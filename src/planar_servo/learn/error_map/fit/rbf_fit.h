@@ -59,7 +59,7 @@ struct TunedFamily {
 /// The classical choice: one width.
 constexpr RbfFamily kOneWidth{KernelShape::kGaussian, 1};
 /// The multiquadric represents features of any scale from its width upwards (a knee, a seam). It is
-/// tried first, because it states its ignorance more honestly.
+/// tried first, because its stated deviations grow where it knows less.
 constexpr RbfFamily kManyScales{KernelShape::kMultiquadric, 2};
 constexpr RbfFamily kSmooth{KernelShape::kGaussian, 3};
 
