@@ -105,11 +105,13 @@ TEST_CASE("Telegrams that are lost, garbled, late or a stranger's are repeated, 
   INFO(fault);
   // Of this make status and position are alike, so that one could be taken for the other.
   const Bus bus({fault, "7", "--make", "oriental", "--at", "70000,0,0"}, "oriental-az");
-  LinkedDrives drives = bus.drives();
-  make_ready(drives);
-  drives.set_targets({5000, 5000, -5000});
-  REQUIRE(all_rest(drives));
-  CHECK(positions(drives) == Targets{5000, 5000, -5000});
+  {
+    LinkedDrives drives = bus.drives();
+    make_ready(drives);
+    drives.set_targets({5000, 5000, -5000});
+    REQUIRE(all_rest(drives));
+    CHECK(positions(drives) == Targets{5000, 5000, -5000});
+  }
   ModbusLink link(bus.line);
   for (int i = 0; i < 10; ++i) link.read();
   const LineErrors& errors = link.errors();

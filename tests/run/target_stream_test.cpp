@@ -1,6 +1,7 @@
 #include "planar_servo/work/run/target_stream.h"
 
 #include <catch2/catch.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -121,14 +122,17 @@ TEST_CASE("An answer leaves out what is not known of a result") {
   TargetResult result;
   result.id = "a";
   result.status = ServoStatus::kReached;
+  result.reason = "seen at (1, 2) mm, \"beside\" its place";
+  result.sigma_judged_m = std::numeric_limits<double>::quiet_NaN();
   result.p_d = {0.2, -0.1};
   result.after_own = Eigen::Vector2d(3e-6, 4e-6);
   const auto answer = result_answer(result);
   CHECK(answer["x_mm"].get<double>() == Approx(200.0));
   CHECK(answer["after_own_view_mm"].get<double>() == Approx(0.005));
   CHECK(answer["after_own_view_dx_mm"].get<double>() == Approx(0.003));
-  CHECK(answer["reason"] == "");
+  CHECK(answer["reason"] == result.reason);
   CHECK(answer["iterations"] == 0);
+  CHECK(answer["sigma_truth_mm"].is_null());
   CHECK_FALSE(answer.contains("after_truth_mm"));
   CHECK_FALSE(answer.contains("uncertainty_mm"));
   CHECK_FALSE(answer.contains("not_judged"));

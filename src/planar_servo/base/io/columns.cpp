@@ -46,7 +46,7 @@ void Columns::text(std::string_view column, std::string& field, Column need) {
   if (reading())
     field = table_->text(column);
   else
-    add(column, need, FieldKind::kText, csv_field(field));
+    add(column, need, FieldKind::kText, field);
 }
 
 void Columns::number(std::string_view column, double& field, double unit, Digits digits) {
@@ -96,7 +96,7 @@ std::vector<std::string> Columns::names(Column need) const {
 
 std::string Columns::line() const {
   std::string line;
-  for (const WrittenField& written : written_) line += written.text + ',';
+  for (const WrittenField& written : written_) line += csv_field(written.text) + ',';
   line.back() = '\n';
   return line;
 }

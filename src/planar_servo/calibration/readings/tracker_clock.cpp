@@ -310,7 +310,7 @@ std::optional<Candidate> candidate_of(double offset_s, double middle_s,
 
 [[noreturn]] void refuse_clock(const std::string& why, Cause cause = Cause::kInsufficient) {
   throw InputError({"its clock cannot be related to the camera's: " + why,
-                    "check that its times are in seconds and no clock was set, or pair by id",
+                    "check that its column t is in seconds and no clock was set, or pair by id",
                     "tracker", cause});
 }
 

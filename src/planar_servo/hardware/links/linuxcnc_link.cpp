@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -31,7 +32,7 @@ constexpr std::chrono::milliseconds kApart{5};
 constexpr double kAnswer_s = 1.0, kLateAnswer_s = 0.2;
 /// A busy computer may keep LinuxCNC from answering for a second; positions are lost with the
 /// touch.
-constexpr double kSilence_s = 3.0;
+constexpr double kOutOfTouch_s = 3.0;
 /// A move that has not begun as long after the order to stop does not begin any more.
 constexpr std::chrono::milliseconds kLostAnswer{1000};
 /// Joints that have not moved by a count for this long, with nothing left to do, rest: where they
@@ -223,16 +224,17 @@ std::optional<std::string> RshConnection::hear(double patience_s) {
 
 std::string RshConnection::ask(const std::string& line) {
   send(line);
-  if (auto answer = hear(kSilence_s)) return *answer;
-  throw WorkError({fmt::format("LinuxCNC does not answer '{}' within {:.0f} s", line, kSilence_s),
-                   "look at the machine; start LinuxCNC again", "", Cause::kDevice});
+  if (auto answer = hear(kOutOfTouch_s)) return *answer;
+  throw WorkError(
+      {fmt::format("LinuxCNC does not answer '{}' within {:.0f} s", line, kOutOfTouch_s),
+       "look at the machine; start LinuxCNC again", "", Cause::kDevice});
 }
 
 std::string RshConnection::get(const std::string& what) {
   // A line gets lost where another connection's comes at the same moment, and moves are watched
   // meanwhile: it is asked anew before DeadMansHandle brakes.
   constexpr int kTries = 48;
-  constexpr std::chrono::duration<double> kSurely{kSilence_s / kTries};
+  constexpr std::chrono::duration<double> kSurely{kOutOfTouch_s / kTries};
   const std::string name = what.substr(0, what.find(' '));
   std::string last;
   for (int i = 0; i < kTries; ++i) {
@@ -251,7 +253,7 @@ std::string RshConnection::get(const std::string& what) {
   if (!last.empty())
     throw WorkError(fmt::format("LinuxCNC answers 'get {}' with '{}'", what, last), Cause::kDevice);
   throw WorkError(
-      {fmt::format("LinuxCNC does not answer 'get {}' within {:.0f} s", what, kSilence_s),
+      {fmt::format("LinuxCNC does not answer 'get {}' within {:.0f} s", what, kOutOfTouch_s),
        "look at the machine; start LinuxCNC again", "", Cause::kDevice});
 }
 
@@ -513,9 +515,15 @@ void LinuxcncLink::stop() {
 }
 
 Pulses LinuxcncLink::counts() const {
-  std::istringstream text(reader_.get("joint_pos"));
+  const int last =
+      std::max({host_.joints[0].number, host_.joints[1].number, host_.joints[2].number});
+  constexpr int kTries = 3;  // an answer may be another connection's in part
   std::vector<double> degrees;
-  for (double value = 0.0; text >> value;) degrees.push_back(value);
+  for (int i = 0; i < kTries && static_cast<int>(degrees.size()) <= last; ++i) {
+    std::istringstream text(reader_.get("joint_pos"));
+    degrees.clear();
+    for (double value = 0.0; text >> value;) degrees.push_back(value);
+  }
   Pulses counts;
   for (std::size_t i = 0; i < 3; ++i) {
     const LinuxcncJoint& joint = host_.joints[i];
@@ -554,7 +562,9 @@ MachineState LinuxcncLink::state_now() {
     for (std::string word; words >> word;) said.push_back(word);
     for (std::size_t i = 0; i < 3; ++i) {
       const auto number = static_cast<std::size_t>(host_.joints[i].number);
-      if (number < said.size() && said[number] != "OK")
+      // What is wrong is a word of letters; an answer may be another connection's in part.
+      if (number < said.size() && said[number] != "OK" &&
+          std::isalpha(static_cast<unsigned char>(said[number][0])) != 0)
         state.faults.push_back(
             fmt::format("joint {} of LinuxCNC reports {} {}", number, what, said[number]));
     }

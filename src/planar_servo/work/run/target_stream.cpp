@@ -62,7 +62,8 @@ Json result_answer(const TargetResult& result) {
   for (const WrittenField& field : row.written()) {
     const bool is_text = field.kind == FieldKind::kText;
     if (field.text.empty() && !(is_text && field.need == Column::kRequired)) continue;
-    told[field.column] = is_text ? Json(field.text) : Json::parse(field.text);
+    const Json number = Json::parse(field.text, nullptr, false);
+    told[field.column] = is_text ? Json(field.text) : number.is_discarded() ? Json() : number;
   }
   return told;
 }
