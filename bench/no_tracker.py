@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Cells calibrated without a tracker, by lays of a board, a bar and marks of the base, against their truth.
 
-no_tracker.py BIN OUT [--like paper,ordinary] [--seeds N] [--poses N] [--lays N] [--print PERCENT] [--without bar,marks]
+no_tracker.py BIN OUT [--like paper,ordinary] [--first SEED] [--seeds N] [--poses N] [--lays N] [--print PERCENT]
+              [--without bar,marks]
 
 Draws cells, records N poses and lays of a board that is printed larger than its pitch says, takes pictures of a bar of
 500 mm in eight places with four marks of the base (both known to 0.005 mm, and drawn so), learns the map with them, and
@@ -125,6 +126,7 @@ def main():
     parser.add_argument("bin", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--like", default="paper,ordinary")
+    parser.add_argument("--first", type=int, default=7101)
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--poses", type=int, default=1000)
     parser.add_argument("--lays", type=int, default=12)
@@ -133,7 +135,7 @@ def main():
     options = parser.parse_args()
     for like in options.like.split(","):
         means, shares = [], []
-        for seed in range(7101, 7101 + options.seeds):
+        for seed in range(options.first, options.first + options.seeds):
             folder = (options.out / f"{like}{seed}").resolve()
             shutil.rmtree(folder, ignore_errors=True)
             cell = Cell(options.bin.resolve(), folder.parent)
