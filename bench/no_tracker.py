@@ -144,6 +144,7 @@ def main():
             cell.folder = folder
             rng = random.Random(seed)
             calibrate(cell, options, rng)
+            shutil.rmtree(folder / "recording/images")  # 1.5 GB
             off, within = errors_of(cell, rng)
             mean = statistics.mean(math.hypot(o[2], o[3]) for o in off)
             left, scale, turn, shift = in_common(off)

@@ -22,6 +22,7 @@ struct BentCell {
   double ripple{0.0};   ///< of each motor's own turn, radians; half as much twice a turn
   double scatter{0.0};  ///< by which a stop misses, per axis
   double sag_per_m{0.4e-3};
+  double wave{0.0};  ///< by which the lamps rise and fall over the plane
   Eigen::Vector2d foot{0.01, 0.04};
   double height{1.5};
   Eigen::Vector2d lamps_T{0.2e-3, -0.3e-3}, reflector_T{12.1e-3, -8.2e-3};
@@ -54,7 +55,8 @@ struct BentCell {
   Eigen::Vector2d seen(const Truth& at, double along) const {
     const Eigen::Vector2d lamp =
         at.tip + rotation2d(at.phi) * (lamps_T + Eigen::Vector2d(along, 0.0));
-    const double h = -sag_per_m * at.tip.squaredNorm();
+    const double h = -sag_per_m * at.tip.squaredNorm() +
+                     wave * std::sin(at.tip.x() / 0.12) * std::cos(at.tip.y() / 0.15);
     const Eigen::Vector2d ideal = lamp + h / (height - h) * (lamp - foot);
     Eigen::Vector2d s = ideal;
     for (int i = 0; i < 20; ++i) s = ideal + field(s);

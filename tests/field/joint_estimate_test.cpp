@@ -77,6 +77,27 @@ TEST_CASE("How far an arm scatters is found, and the field is better for it") {
   CHECK(knowing_m < 10e-6);
 }
 
+TEST_CASE("Priors are searched for until the samples are as likely as under the true ones") {
+  test::BentCell cell;
+  cell.scatter = 16e-6;
+  cell.wave = 80e-6;
+  std::mt19937 random(15);
+  const LaidDots board = cell.lays(6, 3.0, 0.0, random);
+  const std::vector<PoseSample> samples = cell.samples(0, 120, random);
+  const JointEstimate found = estimate_jointly(cell.nominal(), samples, board);
+  REQUIRE(found.left_out.empty());
+  JointPriors truth = found.priors;
+  truth.arm_sigma = cell.scatter;
+  truth.wave_sigma = 0.5 * cell.wave;
+  truth.lamp_factor = 1.0;
+  truth.air_sigma = truth.tool_sigma = truth.deviation_sigma = 1e-8;
+  const auto under_truth =
+      fit_jointly(found.model(), truth, samples, found.fit.basis.radius, board);
+  REQUIRE(under_truth);
+  CHECK(found.fit.log_likelihood > under_truth->log_likelihood - 1.0);
+  CHECK(found.priors.wave_sigma > 0.25 * cell.wave);
+}
+
 TEST_CASE("A base that moves within minutes is neither the field's error nor the arm's scatter") {
   const test::BentCell cell;
   std::mt19937 random(31);

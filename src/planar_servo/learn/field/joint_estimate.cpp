@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <nlopt.hpp>
 #include <numeric>
@@ -55,16 +56,13 @@ struct TuningProblem {
 
 /// Hobby arms repeat to 0.2 mm, the best machines to some tenths of a micrometre.
 std::vector<SearchedPrior> searched_priors(const TuningProblem& problem, const ArmModelSize& size) {
-  const double radius = problem.radius;
   if (!problem.lamps_seen())
     return {{&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
             {&JointPriors::deviation_sigma, 3e-6, 1e-7, 1e-3}};
-  std::vector<SearchedPrior> priors{
-      {&JointPriors::field_width, 0.25 * radius, 0.18 * radius, radius},
-      {&JointPriors::field_sigma, 1e-4, 1e-6, 5e-3},
-      {&JointPriors::lamp_factor, 1.0, 0.5, 10.0},
-      {&JointPriors::air_sigma, 5e-7, 1e-8, 1e-4},
-      {&JointPriors::wave_sigma, 1e-5, 1e-7, 1e-3}};
+  std::vector<SearchedPrior> priors{{&JointPriors::field_sigma, 1e-4, 1e-6, 5e-3},
+                                    {&JointPriors::lamp_factor, 1.0, 0.5, 10.0},
+                                    {&JointPriors::air_sigma, 5e-7, 1e-8, 1e-4},
+                                    {&JointPriors::wave_sigma, 1e-5, 1e-7, 1e-3}};
   if (problem.trust == ArmTrust::kFound)
     priors.insert(priors.end(), {{&JointPriors::arm_sigma, 3e-6, 1e-8, 1e-3},
                                  {&JointPriors::tool_sigma, 1e-5, 1e-8, 3e-3},
@@ -80,25 +78,25 @@ constexpr double kBestEndPoint = 1e-6;
 
 using Logs = std::vector<double>;
 
-JointPriors priors_at(const TuningProblem& problem, const std::vector<SearchedPrior>& searched,
+/// Returns `priors` with those that are searched for set to these logarithms.
+JointPriors priors_at(JointPriors priors, const std::vector<SearchedPrior>& searched,
                       const Logs& logs) {
-  // Not searched for: the scatter of an arm that is not trusted, and a field without lamps.
-  constexpr double kAnywhere = 0.05, kAnyTurn = 0.1;
-  JointPriors priors;
-  priors.field_width = problem.radius;
-  if (problem.trust == ArmTrust::kNone) {
-    priors.arm_sigma = kAnywhere;
-    priors.tool_sigma = kAnyTurn;
-  }
   for (std::size_t i = 0; i < searched.size(); ++i) priors.*searched[i].prior = std::exp(logs[i]);
   return priors;
 }
 
 JointPriors first_priors(const TuningProblem& problem, const ArmModelSize& size) {
-  const auto searched = searched_priors(problem, size);
-  Logs logs;
-  for (const SearchedPrior& prior : searched) logs.push_back(std::log(prior.first));
-  return priors_at(problem, searched, logs);
+  // Not searched for: the scatter of an arm that is not trusted, and a field without lamps.
+  constexpr double kAnywhere = 0.05, kAnyTurn = 0.1;
+  JointPriors priors;
+  priors.field_width = problem.radius * (problem.lamps_seen() ? 0.25 : 1.0);
+  if (problem.trust == ArmTrust::kNone) {
+    priors.arm_sigma = kAnywhere;
+    priors.tool_sigma = kAnyTurn;
+  }
+  for (const SearchedPrior& searched : searched_priors(problem, size))
+    priors.*searched.prior = searched.first;
+  return priors;
 }
 
 /// Returns these priors as an ordinary arm has them, which scatters by tens of micrometres.
@@ -112,50 +110,71 @@ JointPriors of_ordinary_arm(JointPriors priors) {
   return priors;
 }
 
-/// How unlikely the samples are, over the logarithms of the priors.
-struct Unlikeliness {
-  JointEquations& equations;
-  const TuningProblem& problem;
-  const std::vector<SearchedPrior>& searched;
+/// Returns how likely the samples are under these priors, by the equations as they are linearised.
+double log_likelihood_under(JointEquations& equations, const JointPriors& priors) {
+  constexpr double kImpossible = -1e12;
+  return equations.solve(priors) ? equations.log_likelihood() : kImpossible;
+}
 
-  double operator()(const Logs& logs) const {
-    constexpr double kImpossible = 1e12;
-    return equations.solve(priors_at(problem, searched, logs)) ? -equations.log_likelihood()
-                                                               : kImpossible;
-  }
-};
+/// Improves the width of the field's Gaussians in steps. Their number follows from it, so that the
+/// likelihood jumps with the width, which a search along all priors at once would stumble over.
+void improve_width(JointEquations& equations, double radius, JointPriors& priors) {
+  constexpr double kStep = 1.04, kLeastOverRadius = 0.18;
+  double most = log_likelihood_under(equations, priors);
+  for (const double step : {kStep, 1.0 / kStep})
+    while (true) {
+      JointPriors next = priors;
+      next.field_width = std::clamp(step * priors.field_width, kLeastOverRadius * radius, radius);
+      const double there = log_likelihood_under(equations, next);
+      if (there <= most) break;
+      most = there;
+      priors = next;
+    }
+}
 
-/// Improves priors by the likelihood of the model, linearised about the arm that they lead to.
-TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, const JointPriors& first) {
-  const ArmModel model(problem.nominal, size);
-  JointEquations equations(model, problem.samples, problem.radius, problem.board);
-  const auto start = equations.solve_in_steps(first);
-  if (!start) return {size, first, -std::numeric_limits<double>::infinity()};
-  equations.linearize(*start);
-  const auto searched = searched_priors(problem, size);
+/// Improves the searched priors at the width that they have. Returns the likelihood reached.
+double improve_others(JointEquations& equations, const std::vector<SearchedPrior>& searched,
+                      JointPriors& priors) {
   Logs logs, low, high;
   for (const SearchedPrior& prior : searched) {
     low.push_back(std::log(prior.low));
     high.push_back(std::log(prior.high));
-    logs.push_back(std::clamp(std::log(first.*prior.prior), low.back(), high.back()));
+    logs.push_back(std::clamp(std::log(priors.*prior.prior), low.back(), high.back()));
   }
+  std::function<double(const Logs&)> likelihood = [&](const Logs& at) {
+    return log_likelihood_under(equations, priors_at(priors, searched, at));
+  };
   nlopt::opt search(nlopt::LN_BOBYQA, static_cast<unsigned>(logs.size()));
   search.set_lower_bounds(low);
   search.set_upper_bounds(high);
   search.set_initial_step(0.7);
-  search.set_ftol_abs(0.3);
+  search.set_xtol_abs(0.1);
   search.set_maxeval(kTuningEvaluations);
-  Unlikeliness cost{equations, problem, searched};
-  search.set_min_objective(
-      [](const Logs& at, Logs&, void* data) { return (*static_cast<Unlikeliness*>(data))(at); },
-      &cost);
-  double least = 0.0;
+  search.set_max_objective(
+      [](const Logs& at, Logs&, void* data) {
+        return (*static_cast<decltype(likelihood)*>(data))(at);
+      },
+      &likelihood);
+  double most = 0.0;
   try {
-    search.optimize(logs, least);
+    search.optimize(logs, most);
   } catch (const nlopt::roundoff_limited&) {
-    least = cost(logs);  // as far as rounding lets the search go
+    most = likelihood(logs);  // as far as rounding lets the search go
   }
-  return {size, priors_at(problem, searched, logs), -least};
+  priors = priors_at(priors, searched, logs);
+  return most;
+}
+
+/// Improves priors by the likelihood of the model, linearised about the arm that they lead to.
+TriedModel tune(const TuningProblem& problem, const ArmModelSize& size, JointPriors priors) {
+  const ArmModel model(problem.nominal, size);
+  JointEquations equations(model, problem.samples, problem.radius, problem.board);
+  const auto start = equations.solve_in_steps(priors);
+  if (!start) return {size, priors, -std::numeric_limits<double>::infinity()};
+  equations.linearize(*start);
+  if (problem.lamps_seen()) improve_width(equations, problem.radius, priors);
+  const double most = improve_others(equations, searched_priors(problem, size), priors);
+  return {size, priors, most};
 }
 
 double log_likelihood_of(const TuningProblem& problem, const TriedModel& tried) {
@@ -221,7 +240,8 @@ std::vector<TriedModel> try_models(const TuningProblem& problem, const ArmModelS
   // The likelihood has several maxima: a second search starts from an ordinary arm.
   if (problem.trust == ArmTrust::kFound)
     take_likelier(tune(problem, largest, of_ordinary_arm(first)));
-  // A search's model of the likelihood may be exhausted before the likelihood is.
+  // A search's model of the likelihood may be exhausted before the likelihood is, and the width's
+  // best changes with the others.
   constexpr double kWorthAnother = 1.0;
   while (take_likelier(tune(problem, largest, tried.back().priors)) > kWorthAnother) continue;
   const auto try_without = [&](const auto& leave_out) {
