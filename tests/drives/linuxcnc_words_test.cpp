@@ -59,6 +59,11 @@ class EmulatedRsh {
       if (line.rfind(begin, 0) == 0) return line;
     return "";
   }
+  std::ptrdiff_t moves_told() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return std::count_if(told_.begin(), told_.end(),
+                         [](const std::string& line) { return line.rfind("set mdi", 0) == 0; });
+  }
   LinkedDrives drives() const {
     const DriveLimits rated = host.joints[0].rated;
     return {"LinuxCNC",
@@ -68,7 +73,8 @@ class EmulatedRsh {
   }
 
   LinuxcncHost host;
-  bool homes{true};  ///< joints where they stand, which are at 5 degrees then
+  std::atomic<int> mixed_up{0};  ///< as many moves are not understood
+  bool homes{true};              ///< joints where they stand, which are at 5 degrees then
 
  private:
   void serve() {
@@ -112,6 +118,10 @@ class EmulatedRsh {
     if (line.rfind("hello", 0) == 0) return "HELLO ACK EMCNETSVR 1.1\r\n";
     if (line == "set echo off") return "";
     if (line.rfind("get", 0) == 0) return says_[""] + name + " " + says_[what] + "\r\n";
+    if (name == "mdi" && mixed_up > 0) {
+      --mixed_up;
+      return "SET NAK\r\n";
+    }
     if (name == "home" && homes) {
       says_["joint_homed " + what.substr(what.size() - 1)] = "0 YES";
       says_["joint_pos"] = "5 5 5";
@@ -188,6 +198,25 @@ TEST_CASE("A move of LinuxCNC says every mode that another client may have set")
   REQUIRE(test::eventually([&] { return !rsh.told("set mdi").empty(); }));
   CHECK_THAT(rsh.told("set mdi"), Catch::StartsWith("set mdi G53 G61 G90 G94 G1 A2.000000 "
                                                     "B0.000000 C-1.000000 F"));
+}
+
+TEST_CASE("A move that linuxcncrsh mixed up with another line is sent again, at most twice") {
+  for (const int times : {1, 5}) {
+    EmulatedRsh rsh;
+    rsh.mixed_up = times;
+    rsh.begin();
+    LinuxcncLink link(rsh.host);
+    link.switch_on();
+    link.go_to({100, 100, 100},
+               {rsh.host.joints[0].rated, rsh.host.joints[1].rated, rsh.host.joints[2].rated});
+    const std::vector<std::string> faults = [&] {
+      MachineState state = link.read();
+      for (int i = 0; i < 50 && state.faults.empty(); ++i) state = link.read();
+      return state.faults;
+    }();
+    CHECK(rsh.moves_told() == std::min(times + 1, 3));
+    CHECK(faults.empty() == (times == 1));
+  }
 }
 
 TEST_CASE("A joint that would move as LinuxCNC homes it where it stands is refused") {

@@ -36,8 +36,9 @@ constexpr double kOutOfTouch_s = 3.0;
 /// A move that has not begun as long after the order to stop does not begin any more.
 constexpr std::chrono::milliseconds kLostAnswer{1000};
 /// Joints that have not moved by a count for this long, with nothing left to do, rest: where they
-/// were sent, after a stop, and elsewhere. A computer that is busy may tell of no motion meanwhile.
-constexpr std::chrono::milliseconds kStill{40}, kStillStopped{100}, kStillElsewhere{500};
+/// were sent, after a stop, and elsewhere. LinuxCNC's task renews what it tells every 10 ms where
+/// its INI says nothing else; a computer that is busy may tell of no motion meanwhile.
+constexpr std::chrono::milliseconds kStill{20}, kStillStopped{100}, kStillElsewhere{500};
 /// An order to stop is repeated, sooner where nothing was heard of it.
 constexpr std::chrono::milliseconds kStopRepeat{40}, kStopHeard{250};
 constexpr char kAckOf[] = " ACK", kNakOf[] = " NAK";
@@ -396,6 +397,8 @@ void LinuxcncLink::hear_mover(double patience_s) {
   awaits_mover_ = false;
   if (!rests_) changed_ = Clock::now();  // it may be about to begin
   if (ends(*answer, kAckOf)) return;
+  // Another connection's line took the words of the move, so that nothing was carried out.
+  if (*answer == "SET NAK" && target_ && sends_left_ > 0) return send_move();
   note_who_controls(fmt::format(
       "LinuxCNC refuses a move ({}): another client may have taken the control", *answer));
 }
@@ -484,14 +487,22 @@ void LinuxcncLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>&
   constexpr double kPerMinute = 60.0;
   const double speed_deg_s = length_deg / (time.duration_s - time.ramp_s);
   hold(true);
-  mover_.send(line + fmt::format(" F{:.3f}", kPerMinute * speed_deg_s));
-  std::this_thread::sleep_for(kApart);
-  awaits_mover_ = true;
-  changed_ = Clock::now();
+  move_ = line + fmt::format(" F{:.3f}", kPerMinute * speed_deg_s);
+  constexpr int kSends = 3;
+  sends_left_ = kSends;
+  send_move();
   target_ = counts;
   told_to_stop_.reset();
   stopping_since_.reset();
   rests_ = false;
+}
+
+void LinuxcncLink::send_move() {
+  --sends_left_;
+  mover_.send(move_);
+  std::this_thread::sleep_for(kApart);
+  awaits_mover_ = true;
+  changed_ = Clock::now();
 }
 
 void LinuxcncLink::hold(bool moving) {

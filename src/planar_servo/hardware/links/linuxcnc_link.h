@@ -116,6 +116,7 @@ class LinuxcncLink final : public MachineLink {
   bool is_homed(int joint);
   void home(int joint);
   void home_in_place(int joint);
+  void send_move();
   void hear_mover(double patience_s);
   void hold(bool moving);
   void check_control();
@@ -130,6 +131,8 @@ class LinuxcncLink final : public MachineLink {
   std::string unchecked_;
   std::array<LinuxcncRoom, 3> rooms_;
   std::optional<Pulses> target_;
+  std::string move_;   ///< the line that leads there
+  int sends_left_{0};  ///< of that line
   bool awaits_mover_{false};
   bool controls_{false};      ///< linuxcncrsh obeys mover_, as far as we know
   std::string refused_;       ///< by LinuxCNC, of the last move
