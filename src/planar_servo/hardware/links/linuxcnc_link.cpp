@@ -36,9 +36,8 @@ constexpr double kOutOfTouch_s = 3.0;
 /// A move that has not begun as long after the order to stop does not begin any more.
 constexpr std::chrono::milliseconds kLostAnswer{1000};
 /// Joints that have not moved by a count for this long, with nothing left to do, rest: where they
-/// were sent, after a stop, and elsewhere. LinuxCNC's task renews what it tells every 10 ms where
-/// its INI says nothing else; a computer that is busy may tell of no motion meanwhile.
-constexpr std::chrono::milliseconds kStill{20}, kStillStopped{100}, kStillElsewhere{500};
+/// were sent, after a stop, and elsewhere. A computer that is busy may tell of no motion meanwhile.
+constexpr std::chrono::milliseconds kStill{40}, kStillStopped{100}, kStillElsewhere{500};
 /// An order to stop is repeated, sooner where nothing was heard of it.
 constexpr std::chrono::milliseconds kStopRepeat{40}, kStopHeard{250};
 constexpr char kAckOf[] = " ACK", kNakOf[] = " NAK";
