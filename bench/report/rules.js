@@ -100,6 +100,9 @@ function faultsOfPage() {
     }
     return layers.reduce((under, layer) => mixed(layer, under), [255, 255, 255]);
   }
+  // Text that is painted over its own outline, as in a photograph, stands on that.
+  const outlineOf = style =>
+    style.paintOrder.startsWith("stroke") && parseFloat(style.strokeWidth) >= LEAST_OUTLINE_PX ? colorOf(style.stroke).rgb : null;
   function checkContrast() {
     const seen = new Set();
     const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
@@ -107,7 +110,7 @@ function faultsOfPage() {
       const element = walker.currentNode.parentElement;
       if (!walker.currentNode.data.trim() || element.closest("script,style,title,desc")) continue;
       const style = getComputedStyle(element);
-      const color = colorOf(element.closest("svg") ? style.fill : style.color), under = backgroundOf(element);
+      const color = colorOf(element.closest("svg") ? style.fill : style.color), under = outlineOf(style) || backgroundOf(element);
       const px = parseFloat(style.fontSize), bold = Number(style.fontWeight) >= 700;
       const [dark, light] = [luminance(mixed(color, under)), luminance(under)].sort((a, b) => a - b);
       const contrast = (light + 0.05) / (dark + 0.05);

@@ -88,6 +88,15 @@ TEST_CASE("A recording that cannot begin is refused before anything moves") {
   CHECK_FALSE(std::filesystem::exists(bench.folder / "recording"));
 }
 
+TEST_CASE("A job that finds drives without their position says how they are homed at the page") {
+  AskedCell bench;
+  const ServoRequest request = bench.jobs.places.request([] { return false; });
+  for (const auto& [way, remedy] : {std::pair(Homing::kSearch, "home the arm"),
+                                    std::pair(Homing::kMark, "turn them to their marks")})
+    CHECK_THROWS_MATCHES(request.may_home(way, "drives that have lost their position: 2"),
+                         DriveError, Refused(Cause::kDevice, remedy));
+}
+
 TEST_CASE("What is wanted stands above what is seen, until the person leaves") {
   StateBoard board;
   {

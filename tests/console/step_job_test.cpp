@@ -1,8 +1,7 @@
-#include "planar_servo/console/step_job.h"
-
 #include <catch2/catch.hpp>
 
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/console/arm_jobs.h"
 #include "support/refused.h"
 #include "support/sample_cells.h"
 #include "support/temporary_folder.h"

@@ -20,17 +20,6 @@
 namespace planar {
 namespace {
 
-constexpr std::size_t kMostFileName = 64;
-
-void require_file_name(const std::string& name, const char* where) {
-  constexpr char kAllowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
-  if (name.empty() || name.size() > kMostFileName || name[0] == '.' ||
-      name.find_first_not_of(kAllowed) != name.npos)
-    throw InputError({fmt::format("is '{}'", name),
-                      fmt::format("take up to {} letters, digits, - . and _", kMostFileName),
-                      where});
-}
-
 std::string words_of(const Certificate& certificate) {
   if (!certificate.run.ended_by.empty())
     return fmt::format(
@@ -76,8 +65,8 @@ std::string words_of(const PathSpeedResult& result) {
 }  // namespace
 
 int begin_recording(ConsoleJobs& jobs, const RecordingOrder& order, StopsKnown known) {
-  require_file_name(order.plan, "plan");
-  require_file_name(order.out, "out");
+  CellJobs::require_name(order.plan, "-_.", "plan");
+  CellJobs::require_name(order.out, "-_.", "out");
   RecordRequest wanted;
   wanted.cell = jobs.cell.settings();
   wanted.plan = read_plan(jobs.cell.folder() / order.plan, wanted.cell.tool_orientation);
@@ -92,6 +81,7 @@ int begin_recording(ConsoleJobs& jobs, const RecordingOrder& order, StopsKnown k
     };
     RecordRequest request = wanted;
     request.stop = stop;
+    request.may_home = CellJobs::refuse_homing;
     request.person = jobs.person.attend(stop, begin_once);
     request.watch = [&](const RecordingState& recording) {
       begin_once();
@@ -124,7 +114,7 @@ int begin_certificate(ConsoleJobs& jobs, const std::string& name, const Certific
     devices.tracker().ask_of(jobs.person.attend(stop, [] {}));
     const AtEnd given_back([&] { devices.tracker().ask_of(std::make_shared<Terminal>()); });
     const auto lend = [&](const CellSettings& /*cell*/) {
-      return std::shared_ptr<CellDevices>(std::shared_ptr<void>(), &devices);
+      return std::shared_ptr<CellDevices>(&devices, [](CellDevices* /*lent*/) {});
     };
     bool is_begun = false;
     const Certificate certificate =

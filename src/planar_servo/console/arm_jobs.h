@@ -71,7 +71,7 @@ struct ConsoleJobs {
   PathJob path{cell, places};
 };
 
-// Begin a job with the person at a page; return and throw as the functions of CellJobs do.
+// Begin a job; return and throw as the functions of CellJobs do.
 /// Begins or continues a recording as planar-record does.
 int begin_recording(ConsoleJobs& jobs, const RecordingOrder& order, StopsKnown known);
 /// Begins a certificate as planar-certify does in the folder `name` beside the cell file, or
@@ -79,5 +79,11 @@ int begin_recording(ConsoleJobs& jobs, const RecordingOrder& order, StopsKnown k
 /// refuses, too.
 int begin_certificate(ConsoleJobs& jobs, const std::string& name, const CertificateSize& size,
                       StopsKnown known);
+/// Begins what is next of the work, as `planar next` names it with this calibration board, where
+/// that only makes files. Throws InputError where nothing is left or a person must do it, too.
+int begin_step(ConsoleJobs& jobs, const std::string& board, StopsKnown known);
+/// Begins or continues planar-experiment on a copy of this virtual cell in the folder `name` beside
+/// the cell file. Throws InputError for a real cell, too.
+int begin_experiment(ConsoleJobs& jobs, const std::string& name, StopsKnown known);
 
 }  // namespace planar

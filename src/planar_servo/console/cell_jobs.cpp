@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <sstream>
 #include <utility>
@@ -40,6 +42,13 @@ std::vector<TargetRow> targets_in(const std::string& csv, const std::string& whe
     }
   faults.throw_if_any();
   return targets;
+}
+
+/// Returns whether a file can be one of works, by its first lines: a large map takes long to read.
+bool begins_as_works(const fs::path& file) {
+  std::string head(256, ' ');
+  std::ifstream(file).read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head.find("planar-servo/work/") != head.npos;
 }
 
 std::optional<Cause> cause_of(const std::exception& error) {
@@ -100,8 +109,7 @@ std::vector<std::string> CellJobs::works() const {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(cell_.folder())) try {
       if (!entry.is_regular_file() || entry.path().extension() != ".yaml") continue;
-      // A large map takes seconds to read, its text does not.
-      if (read_file(entry.path()).find("planar-servo/work/") == std::string::npos) continue;
+      if (!begins_as_works(entry.path())) continue;
       read_works(entry.path());
       names.push_back(entry.path().filename().string());
     } catch (const InputError&) {
@@ -176,7 +184,7 @@ int CellJobs::check(StopsKnown known) {
       [this](CellDevices& devices, const Stop& stop, const Begun& begun) -> Ending {
         const CalibratedCell cell = read_checkable_cell(cell_.settings());
         begun(0, 0);
-        const std::vector<HealthFinding> found = check_devices(cell, devices, {}, stop);
+        const std::vector<HealthFinding> found = check_devices(cell, devices, refuse_homing, stop);
         note_findings(found);
         return {found.empty() ? "the cell is as it was at its calibration" : findings_text(found),
                 found.empty()};
@@ -265,11 +273,25 @@ void CellJobs::require_able() const {
     throw InputError({"the arm cannot move yet", arm->to_do, "", Cause::kDevice});
 }
 
+bool CellJobs::refuse_homing(Homing way, const std::string& unhomed) {
+  throw DriveError({unhomed,
+                    way == Homing::kMark
+                        ? "turn them to their marks and mark them, then begin again"
+                        : "home the arm, then begin again",
+                    "", Cause::kDevice});
+}
+
+void CellJobs::require_name(const std::string& name, std::string_view marks, const char* where) {
+  const bool is_allowed = std::all_of(name.begin(), name.end(), [&](unsigned char letter) {
+    return std::isalnum(letter) != 0 || marks.find(static_cast<char>(letter)) != marks.npos;
+  });
+  if (is_allowed && !name.empty() && name.size() <= kMostName && name[0] != '.') return;
+  throw InputError({fmt::format("is '{}'", name),
+                    fmt::format("take up to {} letters, digits and {}", kMostName, marks), where});
+}
+
 fs::path CellJobs::folder(const std::string& name) const {
-  constexpr char kAllowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
-  if (name.empty() || name.size() > kMostName || name.find_first_not_of(kAllowed) != name.npos)
-    throw InputError({fmt::format("is '{}'", name),
-                      fmt::format("take up to {} letters, digits, - and _", kMostName), "out"});
+  require_name(name, "-_", "out");
   return cell_.folder() / name;
 }
 
@@ -278,6 +300,7 @@ ServoRequest CellJobs::request(const Stop& stop) {
   request.cell = std::make_shared<CalibratedCell>(read_calibrated_cell(cell_.settings()));
   request.policy.center = cell_.settings().lamps.method;
   request.stop = stop;
+  request.may_home = refuse_homing;
   request.checking = [this](const auto& places) {
     board_.change([&](CellState& state) { state.checking_B = places; });
   };

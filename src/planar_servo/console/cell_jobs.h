@@ -7,12 +7,14 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planar_servo/console/cell_worker.h"
 #include "planar_servo/console/known_cell.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/files/tables/target_table.h"
+#include "planar_servo/hardware/robot/homing.h"
 #include "planar_servo/work/run/servo_run.h"
 
 namespace planar {
@@ -71,6 +73,11 @@ class CellJobs {
             const Work& work);
 
   // For jobs of other kinds.
+  /// Is asked by jobs whether they may home drives, and says by a DriveError who does.
+  static bool refuse_homing(Homing way, const std::string& unhomed);
+  /// Throws InputError, at `where`, for a name that is long or has more than letters, digits and
+  /// these marks, or begins with a dot.
+  static void require_name(const std::string& name, std::string_view marks, const char* where);
   /// Returns the folder of this name beside the cell file. Throws InputError for another name.
   std::filesystem::path folder(const std::string& name) const;
   /// Returns how this cell moves by vision, learning nothing. It has no folder yet.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
@@ -44,6 +45,25 @@ inline nlohmann::ordered_json json_numbers(const Eigen::Ref<const Eigen::VectorX
 /// Returns a place in millimetres, `[x, y]`.
 inline nlohmann::ordered_json json_mm(const Eigen::Vector2d& p) {
   return json_numbers(p / kMillimetre);
+}
+
+inline nlohmann::ordered_json refusal_json(const Refusal& refusal) {
+  return {{"fault", refusal.fault},
+          {"remedy", refusal.remedy},
+          {"where", refusal.where},
+          {"cause", to_text(refusal.cause)}};
+}
+
+/// Returns the first refusal, with all of several as `faults`.
+inline nlohmann::ordered_json refusals_json(const std::vector<Refusal>& refusals) {
+  nlohmann::ordered_json json = refusal_json(refusals.front());
+  if (refusals.size() > 1) json["faults"] = json_list(refusals, refusal_json);
+  return json;
+}
+
+/// Returns JSON in one line. What is no UTF-8 in its texts is replaced.
+inline std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace planar

@@ -191,15 +191,4 @@ ordered_json KnownCell::place_json(const TipPose& pose, const Joints& from) cons
   return answer;
 }
 
-ordered_json targets_json(const std::vector<TargetRow>& targets) {
-  return json_list(targets, [](const TargetRow& target) {
-    return ordered_json{
-        {"id", target.id},
-        {"x_mm", json_number(mm(target.p_d.x()))},
-        {"y_mm", json_number(mm(target.p_d.y()))},
-        {"phi_deg", target.phi_d ? json_number(*target.phi_d / kDegree) : ordered_json(nullptr)},
-        {"tool", target.tool}};
-  });
-}
-
 }  // namespace planar

@@ -9,7 +9,6 @@
 #include "planar_servo/base/devices/drive_group.h"
 #include "planar_servo/console/state_board.h"
 #include "planar_servo/files/calibrated_cell.h"
-#include "planar_servo/files/tables/target_table.h"
 
 namespace planar {
 
@@ -46,7 +45,5 @@ class KnownCell {
   mutable std::once_flag map_made_;
   mutable nlohmann::ordered_json map_;
 };
-
-nlohmann::ordered_json targets_json(const std::vector<TargetRow>& targets);
 
 }  // namespace planar

@@ -115,13 +115,6 @@ std::string CellNames::in(std::string text) const {
   return text;
 }
 
-ordered_json refusal_json(const Refusal& refusal) {
-  return {{"fault", refusal.fault},
-          {"remedy", refusal.remedy},
-          {"where", refusal.where},
-          {"cause", to_text(refusal.cause)}};
-}
-
 std::uint64_t StateBoard::change(const std::function<void(CellState&)>& change) {
   const std::lock_guard<std::mutex> lock(mutex_);
   change(state_);
@@ -243,8 +236,7 @@ ordered_json StateBoard::json_locked() const {
 }
 
 std::string StateBoard::event_text(const char* event, const ordered_json& data) const {
-  return fmt::format("event: {}\ndata: {}\n\n", event,
-                     named(data.dump(-1, ' ', false, ordered_json::error_handler_t::replace)));
+  return fmt::format("event: {}\ndata: {}\n\n", event, named(json_text(data)));
 }
 
 const std::string& StateBoard::state_event() {

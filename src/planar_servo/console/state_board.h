@@ -128,8 +128,6 @@ struct CellState {
   std::optional<RecordingState> recording{};
 };
 
-nlohmann::ordered_json refusal_json(const Refusal& refusal);
-
 /// Holds the state of a cell and what has happened lately, for many readers and one who works the
 /// cell. The text for all readers is made once.
 class StateBoard {

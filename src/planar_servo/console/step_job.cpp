@@ -1,5 +1,3 @@
-#include "planar_servo/console/step_job.h"
-
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -16,6 +14,7 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/threads.h"
+#include "planar_servo/console/arm_jobs.h"
 #include "planar_servo/console/doctor/next_step.h"
 #include "planar_servo/hardware/robot/planar_robot.h"
 
@@ -25,12 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kLook_ms = 100;  // between two looks whether to stop
-
-WorkStep next_of(const fs::path& cell, const std::string& board) {
-  for (WorkStep& step : work_steps(cell, board))
-    if (step.state == WorkStep::State::kNext) return std::move(step);
-  throw InputError("nothing is left to do", Cause::kMissing);
-}
 
 /// Starts a shell's command, which finds our programs first and prints to `output`.
 pid_t start_shell(std::string command, int output) {
@@ -108,14 +101,15 @@ int begin_command(ConsoleJobs& jobs, const std::string& kind, const std::string&
 }  // namespace
 
 int begin_step(ConsoleJobs& jobs, const std::string& board, StopsKnown known) {
-  const WorkStep step = next_of(jobs.cell.settings().file, board);
-  if (!step.is_calculated)
-    throw InputError({fmt::format("next is {}: {}", step.name, step.what),
+  const auto step = next_step(jobs.cell.settings().file, board);
+  if (!step) throw InputError("nothing is left to do", Cause::kMissing);
+  if (!step->is_calculated)
+    throw InputError({fmt::format("next is {}: {}", step->name, step->what),
                       "do it on this page, or by the command that is named"});
-  return begin_command(jobs, "step", step.name, step.command, known,
-                       [&jobs, step](const std::string& /*said*/) {
+  return begin_command(jobs, "step", step->name, step->command, known,
+                       [&jobs, name = step->name](const std::string& /*said*/) {
                          jobs.changed();
-                         return step.name + " is done";
+                         return name + " is done";
                        });
 }
 

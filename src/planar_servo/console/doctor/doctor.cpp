@@ -74,7 +74,7 @@ std::vector<Finding> question_field(const CellSettings& cell, const Workplane& w
 
 using Verdict = Finding::Verdict;
 
-std::string origin_text(const std::filesystem::path& file) {
+std::string origin_text(const fs::path& file) {
   const std::string maker = read_maker(file);
   if (maker.empty()) return "its origin is unknown";
   std::vector<std::string> names;
@@ -85,7 +85,7 @@ std::string origin_text(const std::filesystem::path& file) {
 
 Finding examine_file(const MadeFile& file, const std::vector<Finding>& reasons) {
   const std::string name = file.path.filename().string();
-  if (!std::filesystem::exists(file.path))
+  if (!fs::exists(file.path))
     return {{fmt::format("does not exist yet; {} makes it", program_for(file.role)), "", name},
             Verdict::kWell};
   if (reasons.empty()) return {{origin_text(file.path), "", name}, Verdict::kWell};
@@ -126,7 +126,7 @@ std::optional<Refusal> objection_of(const CellSettings& cell, const MadeFile& fi
 /// Says what is wrong in a file itself.
 std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& file) {
   const std::string name = file.path.filename().string();
-  if (!std::filesystem::exists(file.path)) return {};
+  if (!fs::exists(file.path)) return {};
   if (const auto change = later_change(file.path, read_file(file.path)))
     return {faulty(name, *change)};
   try {
@@ -142,9 +142,8 @@ std::vector<Finding> examine_content(const CellSettings& cell, const MadeFile& f
   }
 }
 
-constexpr Named<Finding::Verdict> kVerdicts[] = {{Finding::Verdict::kWell, "well"},
-                                                 {Finding::Verdict::kDoubtful, "doubtful"},
-                                                 {Finding::Verdict::kFaulty, "faulty"}};
+constexpr Named<Verdict> kVerdicts[] = {
+    {Verdict::kWell, "well"}, {Verdict::kDoubtful, "doubtful"}, {Verdict::kFaulty, "faulty"}};
 
 }  // namespace
 
@@ -223,26 +222,26 @@ std::vector<Finding> examine_lamps(FrameSource& camera) {
   return findings;
 }
 
-std::vector<Finding> examine_cell(const std::filesystem::path& cell_file) {
+std::vector<Finding> examine_cell(const fs::path& cell_file) {
   const CellSettings cell = read_cell(cell_file);
   require_devices(cell);
   std::vector<Finding> findings{
       {{cell_file.string() + " is in order", "", "cell file"}, Finding::Verdict::kWell}};
-  for (Finding& finding : question_values(cell)) findings.push_back(std::move(finding));
-  for (Finding& finding : examine_files(cell)) findings.push_back(std::move(finding));
-  if (is_sound(findings))
-    for (Finding& finding : question_camera_field(cell)) findings.push_back(std::move(finding));
-  for (Finding& finding : cell.drives[0].kind->examine(cell))
-    findings.push_back(std::move(finding));
-  std::vector<Finding> camera = cell.camera.kind->examine(cell);
-  if (is_sound(camera) && !cell.camera.kind->is_virtual() && !cell.camera.kind->refusal()) try {
-      for (Finding& finding : examine_lamps(*cell.camera.kind->open(cell)))
-        camera.push_back(std::move(finding));
+  const auto add = [&](const std::vector<Finding>& more) {
+    findings.insert(findings.end(), more.begin(), more.end());
+    return is_sound(more);
+  };
+  add(question_values(cell));
+  add(examine_files(cell));
+  if (is_sound(findings)) add(question_camera_field(cell));
+  add(cell.drives[0].kind->examine(cell));
+  const CameraKind& camera = *cell.camera.kind;
+  if (add(camera.examine(cell)) && !camera.is_virtual() && !camera.refusal()) try {
+      add(examine_lamps(*camera.open(cell)));
     } catch (const WorkError& error) {
-      camera.push_back(faulty("lamps", error.refusal()));
+      add({faulty("lamps", error.refusal())});
     }
-  for (Finding& finding : camera) findings.push_back(std::move(finding));
-  for (Finding& finding : cell.tracker.kind->examine(cell)) findings.push_back(std::move(finding));
+  add(cell.tracker.kind->examine(cell));
   return findings;
 }
 

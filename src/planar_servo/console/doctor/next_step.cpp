@@ -587,6 +587,12 @@ std::vector<WorkStep> work_steps(const fs::path& cell_file, const std::string& b
   return steps;
 }
 
+std::optional<WorkStep> next_step(const fs::path& cell_file, const std::string& board) {
+  for (WorkStep& step : work_steps(cell_file, board))
+    if (step.state == State::kNext) return std::move(step);
+  return std::nullopt;
+}
+
 std::string steps_text(const std::vector<WorkStep>& steps) {
   std::string text;
   for (const WorkStep& step : steps) {

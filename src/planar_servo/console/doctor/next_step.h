@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct WorkStep {
 /// opened but files. `board` is the calibration board, as --grid takes it. A cell without a tracker
 /// is calibrated by its lays and unattended poses. Throws InputError for a faulty cell file.
 std::vector<WorkStep> work_steps(const std::filesystem::path& cell_file, const std::string& board);
+
+/// Returns the one of these steps that is next, where any is left to do.
+std::optional<WorkStep> next_step(const std::filesystem::path& cell_file, const std::string& board);
 
 /// Writes a path as one word for a shell, as in the steps' commands.
 std::string shell_word(const std::filesystem::path& path);

@@ -8,7 +8,7 @@
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/console/doctor/next_step.h"
-#include "planar_servo/console/state_board.h"
+#include "planar_servo/console/json_values.h"
 #include "planar_servo/files/provenance.h"
 
 namespace planar {
@@ -49,16 +49,8 @@ ordered_json file_json(const MadeFile& file, const std::map<fs::path, Refusal>& 
           {"fault", fault == faults.end() ? ordered_json(nullptr) : refusal_json(fault->second)}};
 }
 
-ordered_json next_json(const std::string& text, const std::string& command = "",
-                       bool is_calculated = false) {
-  return {{"text", text}, {"command", command}, {"is_calculated", is_calculated}};
-}
-
-ordered_json next_of(const CellSettings& cell, const std::string& board) {
-  for (const WorkStep& step : work_steps(cell.file, board))
-    if (step.state == WorkStep::State::kNext)
-      return next_json(step.name + ": " + step.what, step.command, step.is_calculated);
-  return next_json("nothing is left to do");
+ordered_json next_json(const std::string& text, const WorkStep& step = {}) {
+  return {{"text", text}, {"command", step.command}, {"is_calculated", step.is_calculated}};
 }
 
 }  // namespace
@@ -104,7 +96,9 @@ ordered_json files_json(const CellSettings& cell, const std::string& board) {
   ordered_json next;
   try {
     for (const StaleFile& stale : stale_files(cell, with_map)) faults.emplace(stale.path, stale);
-    next = next_of(cell, board);
+    const auto step = next_step(cell.file, board);
+    next = step ? next_json(step->name + ": " + step->what, *step)
+                : next_json("nothing is left to do");
   } catch (const InputError& e) {
     next = next_json(e.what());
   }

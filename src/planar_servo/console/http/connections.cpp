@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <thread>
 #include <utility>
 
@@ -65,12 +64,15 @@ class SocketStream final : public httplib::Stream {
   /// Encrypts what is read and written from now on. Returns whether the other side agrees.
   bool encrypt(const Tls& tls) {
     fcntl(entry_.socket, F_SETFL, fcntl(entry_.socket, F_GETFL) | O_NONBLOCK);
-    tls_.emplace(tls, entry_.socket);
-    return tls_->accept([this](short event) { return waits_for(event, time_left()); }) > 0;
+    session_.reset(SSL_new(tls.context()));
+    if (!session_ || SSL_set_fd(session_.get(), entry_.socket) != 1)
+      throw WorkError("OpenSSL gives no session: " + reason(), Cause::kSystem);
+    return encrypted([this] { return SSL_accept(session_.get()); }) > 0;
   }
 
   bool is_readable() const override {
-    return begin_ < end_ || (tls_ && tls_->has_more()) || waits_for(POLLIN, milliseconds(0));
+    return begin_ < end_ || (session_ && SSL_pending(session_.get()) > 0) ||
+           waits_for(POLLIN, milliseconds(0));
   }
   bool is_writable() const override { return waits_for(POLLOUT, kPatience); }
 
@@ -88,8 +90,9 @@ class SocketStream final : public httplib::Stream {
   }
 
   ssize_t write(const char* from, std::size_t size) override {
-    if (tls_)
-      return tls_->write(from, size, [this](short event) { return waits_for(event, kPatience); });
+    if (session_)
+      return encrypted([=] { return SSL_write(session_.get(), from, static_cast<int>(size)); },
+                       /*writes=*/true);
     if (!waits_for(POLLOUT, kPatience)) return -1;
     return send(entry_.socket, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
   }
@@ -106,7 +109,8 @@ class SocketStream final : public httplib::Stream {
   /// Says that all is written, and takes what still comes: a socket that is closed with bytes
   /// unread takes its answer back.
   void finish() {
-    if (tls_) tls_->end();
+    if (session_) SSL_shutdown(session_.get());
+    ERR_clear_error();
     shutdown(entry_.socket, SHUT_WR);
     const auto until = SteadyTime::now() + kMaySay;
     while (SteadyTime::now() < until && waits_for(POLLIN, kMaySay) &&
@@ -116,9 +120,27 @@ class SocketStream final : public httplib::Stream {
 
  private:
   ssize_t receive() {
-    const auto wait = [this](short event) { return waits_for(event, time_left()); };
-    if (tls_) return tls_->read(buffer_.data(), buffer_.size(), wait);
-    return wait(POLLIN) ? recv(entry_.socket, buffer_.data(), buffer_.size(), 0) : -1;
+    if (session_)
+      return encrypted([this] {
+        return SSL_read(session_.get(), buffer_.data(), static_cast<int>(buffer_.size()));
+      });
+    if (!waits_for(POLLIN, time_left())) return -1;
+    return recv(entry_.socket, buffer_.data(), buffer_.size(), 0);
+  }
+
+  /// Repeats a step of the encryption until it is done. Returns -1 where the other side lets it
+  /// wait too long or breaks the rules, 0 where that has ended.
+  ssize_t encrypted(const std::function<int()>& step, bool writes = false) const {
+    while (true) {
+      ERR_clear_error();
+      const int done = step();
+      if (done > 0) return done;
+      const int fault = SSL_get_error(session_.get(), done);
+      if (fault == SSL_ERROR_ZERO_RETURN) return 0;
+      const bool may_wait = fault == SSL_ERROR_WANT_READ || fault == SSL_ERROR_WANT_WRITE;
+      const short event = fault == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT;
+      if (!may_wait || !waits_for(event, writes ? kPatience : time_left())) return -1;
+    }
   }
 
   milliseconds time_left() const {
@@ -137,7 +159,7 @@ class SocketStream final : public httplib::Stream {
   }
 
   Connections::Entry& entry_;
-  std::optional<TlsSession> tls_;
+  std::unique_ptr<SSL, void (*)(SSL*)> session_{nullptr, SSL_free};  ///< null in the clear
   SteadyTime::time_point begun_{SteadyTime::now()};
   std::array<char, 4096> buffer_;
   std::size_t begin_{0}, end_{0};
@@ -163,44 +185,6 @@ bool Tls::is_for(const std::string& host) const {
   X509* certificate = SSL_CTX_get0_certificate(context_.get());
   return X509_check_host(certificate, host.c_str(), host.size(), 0, nullptr) == 1 ||
          X509_check_ip_asc(certificate, host.c_str(), 0) == 1;
-}
-
-TlsSession::TlsSession(const Tls& tls, int socket) : session_(SSL_new(tls.context()), SSL_free) {
-  if (!session_ || SSL_set_fd(session_.get(), socket) != 1)
-    throw WorkError("OpenSSL gives no session: " + reason(), Cause::kSystem);
-}
-
-long TlsSession::accept(const SocketWait& wait) {
-  return repeat([this] { return SSL_accept(session_.get()); }, wait);
-}
-
-long TlsSession::read(char* to, std::size_t size, const SocketWait& wait) {
-  return repeat([=] { return SSL_read(session_.get(), to, static_cast<int>(size)); }, wait);
-}
-
-long TlsSession::write(const char* from, std::size_t size, const SocketWait& wait) {
-  return repeat([=] { return SSL_write(session_.get(), from, static_cast<int>(size)); }, wait);
-}
-
-bool TlsSession::has_more() const {
-  return SSL_pending(session_.get()) > 0;
-}
-
-void TlsSession::end() {
-  SSL_shutdown(session_.get());
-  ERR_clear_error();
-}
-
-long TlsSession::repeat(const std::function<int()>& step, const SocketWait& wait) {
-  while (true) {
-    ERR_clear_error();
-    const int done = step();
-    if (done > 0) return done;
-    const int fault = SSL_get_error(session_.get(), done);
-    if (fault == SSL_ERROR_ZERO_RETURN) return 0;
-    const bool may_wait = fault == SSL_ERROR_WANT_READ || fault == SSL_ERROR_WANT_WRITE;
-    if (!may_wait || !wait(fault == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT)) return -1;
-  }
 }
 
 ListeningPort::ListeningPort(const std::string& address, int port) : number_(port) {

@@ -14,7 +14,6 @@
 #include <string>
 
 struct ssl_ctx_st;
-struct ssl_st;
 
 namespace planar {
 
@@ -31,29 +30,6 @@ class Tls {
 
  private:
   std::shared_ptr<ssl_ctx_st> context_;
-};
-
-/// Waits until a socket can be read or written; returns whether it can.
-using SocketWait = std::function<bool(short event)>;
-
-/// The encryption of one connection.
-class TlsSession {
- public:
-  TlsSession(const Tls& tls, int socket);
-
-  // All return -1 when `wait` gives up or the other side breaks the rules, 0 where it has ended.
-  long accept(const SocketWait& wait);
-  long read(char* to, std::size_t size, const SocketWait& wait);
-  long write(const char* from, std::size_t size, const SocketWait& wait);
-  /// Returns whether something is decrypted already.
-  bool has_more() const;
-  /// Says that all is written.
-  void end();
-
- private:
-  long repeat(const std::function<int()>& step, const SocketWait& wait);
-
-  std::unique_ptr<ssl_st, void (*)(ssl_st*)> session_;
 };
 
 /// A port at which clients are let in one by one. While nobody lets them in they wait.

@@ -10,14 +10,10 @@
 #include <utility>
 
 #include "console_page.h"
-#include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
-#include "planar_servo/base/io/csv_table.h"
-#include "planar_servo/console/doctor/next_step.h"
+#include "planar_servo/console/http/api_description.h"
 #include "planar_servo/console/http/cell_folder.h"
 #include "planar_servo/console/json_values.h"
-#include "planar_servo/files/tool_file.h"
-#include "planar_servo/work/run/dry_run.h"
 
 namespace planar {
 
@@ -35,8 +31,6 @@ const char* type_of(std::string_view name) {
 }
 
 constexpr double kRequests_s = 1000.0;  ///< as many may come at once, too
-constexpr int kMostStreams = 48;
-constexpr int kNoContent = 204;
 constexpr char kReports[] = "/reports/";
 constexpr char kReportPolicy[] =
     "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:";
@@ -45,21 +39,17 @@ constexpr char kPagePolicy[] =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src "
     "'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-std::string text_of(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 void refuse(httplib::Response& response, int status, const std::vector<Refusal>& refusals) {
-  nlohmann::ordered_json body = refusal_json(refusals.front());
-  if (refusals.size() > 1) body["faults"] = json_list(refusals, refusal_json);
   response.status = status;
-  response.set_content(text_of(body), kJson);
+  response.set_content(json_text(refusals_json(refusals)), kJson);
 }
 
 /// Answers an exception with the status that it stands for.
 void refuse(httplib::Response& response, const std::exception_ptr& fault) {
   try {
     std::rethrow_exception(fault);
+  } catch (const Denial& denial) {
+    refuse(response, denial.status, {denial});
   } catch (const InputError& e) {
     refuse(response, 400, e.refusals());
   } catch (const WorkError& e) {
@@ -78,14 +68,6 @@ RequestHead head_of(const httplib::Request& request) {
       header("Host"),         header(request.has_header("Origin") ? "Origin" : "X-Planar-Origin"),
       header("Cookie"),       header("Authorization"),
       header("Content-Type"), header(kClient)};
-}
-
-double number_in(const httplib::Request& request, const char* key) {
-  const auto value = finite_number(request.get_param_value(key));
-  if (!value)
-    throw InputError(
-        {fmt::format("is '{}'", request.get_param_value(key)), "a finite number is needed", key});
-  return *value;
 }
 
 std::optional<StopsKnown> stops_in(const httplib::Request& request) {
@@ -120,13 +102,11 @@ nlohmann::ordered_json body_of(const httplib::Request& request,
   return body;
 }
 
-void send_jpeg(httplib::Response& response, const Pictures::Jpeg& jpeg) {
-  if (!jpeg.bytes) {
-    response.status = kNoContent;
-    return;
-  }
-  response.set_header("X-Picture-Seq", std::to_string(jpeg.number));
-  response.set_content(*jpeg.bytes, "image/jpeg");
+/// Returns the pattern of a path: what is in braces is one digit.
+std::string pattern_of(std::string path) {
+  const std::size_t begin = path.find('{');
+  if (begin != path.npos) path.replace(begin, path.find('}') + 1 - begin, "(\\d)");
+  return path;
 }
 
 void add_headers(const httplib::Request& /*request*/, httplib::Response& response) {
@@ -148,12 +128,7 @@ std::string_view page_text(std::string_view name) {
 }  // namespace
 
 ConsoleApi::ConsoleApi(const Gatekeeper& gate, ConsoleJobs& jobs, ConsoleServer& server)
-    : gate_(gate),
-      jobs_(jobs),
-      orders_(jobs),
-      server_(server),
-      description_(page_text("openapi.json")),
-      allowance_(kRequests_s) {
+    : gate_(gate), jobs_(jobs), server_(server), allowance_(kRequests_s) {
   server_.set_pre_routing_handler([this](const Request& request, Response& response) {
     return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                     : httplib::Server::HandlerResponse::Handled;
@@ -162,7 +137,7 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, ConsoleJobs& jobs, ConsoleServer&
   server_.set_exception_handler(
       [this](const Request&, Response& response, const std::exception_ptr& fault) {
         refuse(response, fault);
-        response.body = board_.named(std::move(response.body));
+        response.body = jobs_.board.named(std::move(response.body));
       });
   server_.set_error_handler([](const Request& request, Response& response) {
     if (!response.body.empty()) return;
@@ -172,26 +147,10 @@ ConsoleApi::ConsoleApi(const Gatekeeper& gate, ConsoleJobs& jobs, ConsoleServer&
     const Cause cause = response.status == 404 ? Cause::kMissing : Cause::kInvalid;
     refuse(response, response.status, {{fault, "see doc/api.md", request.path, cause}});
   });
-  answer_get("/api/cell", [this](const Request& request) { return this->cell(request); });
-  answer_get("/api/state", [this](const Request& request) { return state(request); });
-  answer_get("/api/place", [this](const Request& request) { return place(request); });
-  answer_get("/api/files", [this](const Request& request) { return files(request); });
-  answer_get("/api/reports", [this](const Request&) { return reports_json(cell_.folder()); });
-  answer_get("/api/results", [this](const Request&) { return jobs_.places.results(); });
-  answer_get("/api/targets",
-             [this](const Request&) { return targets_json(jobs_.places.targets()); });
-  answer_get("/api/table", [this](const Request&) { return table(); });
-  answer_get("/api/path", [this](const Request&) { return jobs_.path.json(); });
-  answer_post("/api/operator", [this](const Json& body, const Sender& sender) {
-    return orders_.take_floor(body, sender.client);
-  });
-  for (const auto& order : ConsoleOrders::acts())
-    answer_post(order.first, [this, act = order.second](const Json& body, const Sender& sender) {
-      return orders_.obey(act, body, sender);
-    });
-  serve_pictures();
-  serve_events();
-  serve_page();
+  ApiDescription description(page_text("openapi.json"));
+  for (const Endpoint& endpoint : endpoints())
+    serve(endpoint, description.add(endpoint.request, endpoint.summary, endpoint.schemas));
+  serve_page(description.text());
 }
 
 bool ConsoleApi::admit(const Request& request, Response& response) {
@@ -203,29 +162,27 @@ bool ConsoleApi::admit(const Request& request, Response& response) {
     return false;
   }
   if (const auto denial = gate_.denial(head)) {
-    const bool is_page = head.path.rfind("/api/", 0) != 0;
-    refuse(response, denial->status, {*denial});
-    if (is_page) response.set_content(denial->text() + "\n", "text/plain; charset=utf-8");
+    if (head.path.rfind("/api/", 0) == 0) throw Denial(*denial);
+    response.status = denial->status;
+    response.set_content(denial->text() + "\n", "text/plain; charset=utf-8");
     return false;
   }
-  if (head.method == "POST" && head.path == "/api/stop") {
-    response.set_content(text_of(orders_.stop()), kJson);  // whatever its body is, and before it
+  if (head.is_stop()) {
+    // Whatever its body is, and before it.
+    response.set_content(json_text(stop_cell(jobs_)), kJson);
     return false;
   }
   // The most that a body may have is not asked of what it is unpacked to.
-  if (request.has_header("Transfer-Encoding") || request.has_header("Content-Encoding")) {
-    refuse(response, 415, {{"is encoded", "send it plainly, with Content-Length", "body"}});
-    return false;
-  }
-  if (is_within_rate()) {
-    // By its beginning: a pattern's time and stack grow with the name.
-    if (head.method != "GET" || head.path.rfind(kReports, 0) != 0) return true;
-    serve_report(head.path.substr(std::strlen(kReports)), response);
-    return false;
-  }
-  refuse(response, 429,
-         {{"too many requests", fmt::format("at most {:.0f} a second are answered", kRequests_s),
-           "", Cause::kBusy}});
+  if (request.has_header("Transfer-Encoding") || request.has_header("Content-Encoding"))
+    throw Denial{{"is encoded", "send it plainly, with Content-Length", "body"}, 415};
+  if (!is_within_rate())
+    throw Denial{
+        {"too many requests", fmt::format("at most {:.0f} a second are answered", kRequests_s), "",
+         Cause::kBusy},
+        429};
+  // By its beginning: a pattern's time and stack grow with the name.
+  if (head.method != "GET" || head.path.rfind(kReports, 0) != 0) return true;
+  serve_report(head.path.substr(std::strlen(kReports)), response);
   return false;
 }
 
@@ -239,199 +196,39 @@ bool ConsoleApi::is_within_rate() {
   return true;
 }
 
-void ConsoleApi::answer_get(const char* path, std::function<Json(const Request&)> read) {
-  server_.Get(path, [this, read = std::move(read)](const Request& request, Response& response) {
-    response.set_content(board_.named(text_of(read(request))), kJson);
-  });
-}
-
-void ConsoleApi::answer_post(const std::string& path,
-                             std::function<Json(const Json& body, const Sender& sender)> act) {
-  server_.Post(path, [this, act = std::move(act), keys = description_.keys(path)](
-                         const Request& request, Response& response) {
-    const Sender sender = orders_.sender(request.get_header_value(kClient), stops_in(request));
-    const Json body = body_of(request, keys);
-    response.set_content(board_.named(text_of(act(body, sender))), kJson);
-  });
-}
-
-void ConsoleApi::serve_pictures() {
-  server_.Get("/api/picture.jpg", [this](const Request&, Response& response) {
-    worker_.watch();
-    send_jpeg(response, worker_.pictures().whole());
-  });
-  for (const std::size_t i : {0, 1})
-    server_.Get(fmt::format("/api/lamp/{}.jpg", i + 1),
-                [this, i](const Request&, Response& response) {
-                  worker_.watch();
-                  send_jpeg(response, worker_.pictures().lamp(i));
-                });
-}
-
-void ConsoleApi::serve_events() {
-  server_.Get("/api/events", [this](const Request& request, Response& response) {
-    if (++streams_ > kMostStreams) {
-      --streams_;
-      return refuse(response, 503,
-                    {{fmt::format("{} readers follow the events already", kMostStreams),
-                      "close some of their pages", "", Cause::kBusy}});
+void ConsoleApi::serve(const Endpoint& endpoint, const std::vector<std::string>& keys) {
+  if (endpoint.answer == nullptr) return;
+  const std::string_view name = endpoint.request;
+  const bool is_order = name.substr(0, 4) == "POST";
+  const auto answer = [=](const Request& request, Response& response) {
+    Asked asked{request, jobs_, clients_, gate_.right_of(head_of(request)),
+                request.get_header_value(kClient)};
+    if (is_order) {
+      asked.stops = jobs_.worker.stops_known(stops_in(request));
+      asked.body = body_of(request, keys);
     }
-    auto reader = std::make_shared<StateBoard::Reader>();
-    const std::string client = request.get_param_value("client");
-    orders_.follow_events(client, 1);
-    response.set_chunked_content_provider(
-        "text/event-stream",
-        [this, reader](std::size_t, httplib::DataSink& sink) {
-          worker_.watch();
-          orders_.release_closed();
-          const std::string text = board_.next(*reader);
-          if (text.empty()) sink.done();
-          return !text.empty() && sink.write(text.data(), text.size());
-        },
-        [this, client](bool) {
-          --streams_;
-          orders_.follow_events(client, -1);
-        });
-  });
+    endpoint.answer(asked, response);
+  };
+  const std::string pattern = pattern_of(std::string(name.substr(name.find('/'))));
+  is_order ? server_.Post(pattern, answer) : server_.Get(pattern, answer);
 }
 
-void ConsoleApi::serve_page() {
+void ConsoleApi::serve_page(const std::string& description) {
   for (const EmbeddedFile& file : kConsolePage) {
-    const std::string_view name = file.name;
-    const std::string_view text = name == "openapi.json" ? description_.openapi() : file.text;
-    server_.Get(name == "index.html" ? "/" : fmt::format("/{}", name),
+    const std::string name = file.name;
+    const std::string text = name == "openapi.json" ? description : std::string(file.text);
+    server_.Get(name == "index.html" ? "/" : "/" + name,
                 [text, type = type_of(name)](const Request&, Response& response) {
-                  response.set_content(text.data(), text.size(), type);
+                  response.set_content(text, type);
                 });
   }
 }
 
 void ConsoleApi::serve_report(const std::string& name, Response& response) {
-  const auto file = served_file(cell_.folder(), name);
-  if (!file)
-    return refuse(response, 404, {{"there is no report of this name", "", name, Cause::kMissing}});
+  const auto file = served_file(jobs_.cell.folder(), name);
+  if (!file) throw Denial{{"there is no report of this name", "", name, Cause::kMissing}, 404};
   response.set_header("Content-Security-Policy", kReportPolicy);
   response.set_content(read_file(file->path), file->type);
-}
-
-ConsoleApi::Json ConsoleApi::cell(const Request& request) {
-  Json json = cell_.json();
-  json["program"] = PLANAR_VERSION;
-  json["right"] = gate_.right_of(head_of(request)) == Right::kOperate ? "operate" : "read";
-  return json;
-}
-
-ConsoleApi::Json ConsoleApi::state(const Request& request) {
-  worker_.watch();
-  Json json = board_.json();
-  json["you"] = json["operator"] == request.get_header_value(kClient);
-  return json;
-}
-
-ConsoleApi::Json ConsoleApi::place(const Request& request) {
-  TargetRow place;
-  place.p_d = kMillimetre * Eigen::Vector2d{number_in(request, "x_mm"), number_in(request, "y_mm")};
-  if (request.has_param("phi_deg")) place.phi_d = number_in(request, "phi_deg") * kDegree;
-  const CellSettings& cell = cell_.settings();
-  const auto with_tip = CellTools(cell, request.get_param_value("tool"), false).with_tips({place});
-  const auto arm = board_.state().arm;
-  return cell_.place_json(end_point_pose(with_tip.front(), cell.tool_orientation),
-                          arm && arm->stand ? arm->stand->theta : cell.arm.home);
-}
-
-ConsoleApi::Json ConsoleApi::files(const Request& request) {
-  const std::string board = request.get_param_value("board");
-  return files_json(cell_.settings(), board.empty() ? kUsualBoard : board);
-}
-
-ConsoleApi::Json ConsoleApi::table() {
-  const CellJobs::Wanted wanted = jobs_.places.wanted();
-  const std::string text = targets_text(wanted.drawn);
-  return {
-      {"csv", text.substr(text.find("id,"))},
-      {"work", wanted.work},
-      {"tool", wanted.tool},
-      {"works", jobs_.places.works()},
-      {"tools", json_list(cell_.settings().tools, [](const auto& tool) { return tool.first; })}};
-}
-
-namespace {
-
-using ApiJson = nlohmann::ordered_json;
-
-ApiJson reference(const char* kind, const std::string& name) {
-  return {{"$ref", std::string("#/components/") + kind + "/" + name}};
-}
-
-/// Writes a schema out: the list may name it, and its objects need all properties but the optional.
-ApiJson schema_of(const ApiJson& listed) {
-  if (listed.is_string()) return reference("schemas", listed);
-  ApiJson schema = listed;
-  if (listed.contains("items")) schema["items"] = schema_of(listed["items"]);
-  if (listed.contains("oneOf")) schema["oneOf"] = json_list(listed["oneOf"], schema_of);
-  if (!listed.contains("properties")) return schema;
-  const ApiJson optional = listed.value("optional", ApiJson::array());
-  schema.erase("optional");
-  schema["type"] = listed.value("type", ApiJson("object"));
-  schema["required"] = ApiJson::array();
-  for (const auto& [key, property] : listed["properties"].items()) {
-    schema["properties"][key] = schema_of(property);
-    if (std::find(optional.begin(), optional.end(), key) == optional.end())
-      schema["required"].push_back(key);
-  }
-  return schema;
-}
-
-ApiJson body_of(const ApiJson& listed) {
-  const ApiJson schema = schema_of({{"additionalProperties", false},
-                                    {"properties", listed.value("body", ApiJson::object())},
-                                    {"optional", listed.value("optional", ApiJson::array())}});
-  return {{"required", true}, {"content", {{"application/json", {{"schema", schema}}}}}};
-}
-
-ApiJson responses_of(const ApiJson& listed) {
-  const std::string type = listed.value("type", "application/json");
-  ApiJson content = ApiJson::object();
-  if (type == "application/json")
-    content["schema"] = schema_of(listed.value("answer", ApiJson{{"type", "object"}}));
-  ApiJson responses{{"200", {{"description", "the answer"}, {"content", {{type, content}}}}}};
-  if (listed.value("may_be_empty", false))
-    responses["204"] = {{"description", "there is none yet"}};
-  responses["default"] = reference("responses", "Refused");
-  return responses;
-}
-
-ApiJson operation_of(const std::string& method, const ApiJson& listed) {
-  ApiJson operation{{"summary", listed.at("summary")}};
-  if (method == "post") {
-    operation["parameters"] = {reference("parameters", "Client"), reference("parameters", "Stops")};
-    operation["requestBody"] = body_of(listed);
-  } else if (listed.contains("parameters")) {
-    operation["parameters"] = listed.at("parameters");
-  }
-  operation["responses"] = responses_of(listed);
-  return operation;
-}
-
-}  // namespace
-
-ApiDescription::ApiDescription(std::string_view list) {
-  ApiJson document = ApiJson::parse(list);
-  ApiJson paths = ApiJson::object();
-  for (const auto& [request, listed] : document.at("requests").items()) {
-    const std::size_t space = request.find(' ');
-    const std::string method = request.substr(0, space) == "POST" ? "post" : "get";
-    const std::string path = request.substr(space + 1);
-    paths[path][method] = operation_of(method, listed);
-    if (method != "post") continue;
-    std::vector<std::string>& keys = keys_[path];
-    const ApiJson taken = listed.value("body", ApiJson::object());
-    for (const auto& entry : taken.items()) keys.push_back(entry.key());
-  }
-  for (ApiJson& schema : document.at("components").at("schemas")) schema = schema_of(schema);
-  document.erase("requests");
-  document["paths"] = std::move(paths);
-  openapi_ = document.dump(1);
 }
 
 }  // namespace planar

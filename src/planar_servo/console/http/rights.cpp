@@ -72,8 +72,7 @@ bool ConsoleSite::is_own(const std::string& host) const {
 
 std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {
   const Right right = right_of(head);
-  if (head.method == "POST" && head.path == "/api/stop" && right != Right::kNone)
-    return std::nullopt;
+  if (head.is_stop() && right != Right::kNone) return std::nullopt;
   if (!site_.is_own(head.host))
     return Denial{{fmt::format("the host is '{}'", head.host),
                    fmt::format("open {}, or, behind a proxy or tunnel, start planar-console with "

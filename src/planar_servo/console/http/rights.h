@@ -30,9 +30,11 @@ struct RequestHead {
   std::string method, path;
   std::string host, origin, cookie, authorization, content_type;
   std::string client;  ///< X-Planar-Client
+
+  bool is_stop() const { return method == "POST" && path == "/api/stop"; }
 };
 
-/// Why a request is refused, and the HTTP status that says so.
+/// Why a request is refused, and the HTTP status that says so; thrown, too.
 struct Denial : Refusal {
   int status{0};
 };
