@@ -29,9 +29,11 @@ class TypedLine {
     if (at_terminal_) tcflush(STDIN_FILENO, TCIFLUSH);
   }
   bool at_terminal() const { return at_terminal_; }
+  bool is_typed() const { return is_typed_; }
 
  private:
-  bool at_terminal_{isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0};
+  bool is_typed_{isatty(STDIN_FILENO) != 0};
+  bool at_terminal_{is_typed_ && isatty(STDOUT_FILENO) != 0};
 };
 
 std::string verb_of(const std::string& line) {
@@ -87,7 +89,8 @@ class Session {
  private:
   void refuse(const std::string& reason) {
     ++refused_;
-    fmt::print(stderr, "{}\n", visible(reason));
+    fmt::print(stderr, "{}{}\n", visible(reason),
+               typed_.is_typed() ? "" : "; no command after this one is done");
   }
 
   JogConsole& console_;
@@ -109,8 +112,10 @@ Outcome jog_by_lines(const CellSettings& cell, const std::filesystem::path& teac
       [&](const std::string& sentence) { status.show(sentence + "; Enter stops the arm"); });
   Session session(console, status, typed);
   if (typed.at_terminal()) say("{}\n", arm_command_help());
+  // Nobody has seen what failed who wrote the lines behind it before.
+  const auto goes_on = [&] { return typed.is_typed() || session.outcome().success; };
   for (std::string line;
-       !interrupted() && std::getline(std::cin, line) && verb_of(line) != "quit";) {
+       !interrupted() && goes_on() && std::getline(std::cin, line) && verb_of(line) != "quit";) {
     if (std::cin.eof()) {
       session.refuse_torn(line);
       continue;

@@ -23,7 +23,7 @@ void add_options(CLI::App& app, Options& options) {
   add_value(app, "--teach", options.teach, "targets.csv",
             "table of targets to append taught places to");
   app.footer(std::string("Commands, one a line:\n") + arm_command_help() +
-             "\nAt a terminal Enter stops an arm that moves.");
+             "\nAt a terminal Enter stops an arm that moves. In a pipe the first failure ends it.");
 }
 
 Outcome jog(const Options& options) {

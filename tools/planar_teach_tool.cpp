@@ -84,7 +84,9 @@ std::vector<TipAtMark> poses_of(const Options& options, const CellSettings& cell
     if (fs::exists(table))
       throw InputError({"exists already", "give it with --poses, or take it away to begin anew",
                         table, Cause::kExists});
-    jog_by_lines(cell, table);
+    if (!jog_by_lines(cell, table).success)
+      throw WorkError("a command failed, so the poses before it are not used",
+                      Cause::kInsufficient);
     if (!fs::exists(table))
       throw InputError({"no pose was taught", "bring the tip to the mark, then 'teach ID'", "",
                         Cause::kMissing});

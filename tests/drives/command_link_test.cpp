@@ -132,7 +132,8 @@ TEST_CASE(
                                {"twice", "unasked", false, false},
                                {"endless", "never ends", false, false},
                                {"other number", "answers '", false, false},
-                               {"nowhere", "it says that it is at '1 2 here'", false, false},
+                               {"nowhere", "with '1 2 here'; counts", false, false},
+                               {"idle", "MOTION must be off", false, false},
                                {"loses", "", true, false},
                                {"alarm", "motor 2 is hot", true, true},
                                {"stalls", "where it was sent to 3000, 3000, 3000", true, true}};
@@ -266,6 +267,32 @@ TEST_CASE("A program that cannot be started or speaks otherwise is refused") {
   CHECK_THROWS_MATCHES(CommandLink({{"true"}, "/", kAnswer_s}), WorkError,
                        Refused(Cause::kDevice, "status 0"));
   CHECK_THROWS_AS(drives_of({{"true"}, "/", kAnswer_s}), DriveError);
+}
+
+TEST_CASE("A program that cannot be started is told with its folder and what is amiss") {
+  const test::TemporaryFolder folder;
+  folder.write("motion.sh", "#!/bin/sh\n");
+  CHECK_THROWS_MATCHES(CommandLink({{"./motion.sh"}, folder.path(), kAnswer_s}), WorkError,
+                       Refused(Cause::kSystem, "chmod +x"));
+  const std::string keys = "kind: command, program: [./absent]";
+  test::cell_with_drives(folder, {keys, keys, keys});
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const CellSettings cell = read_cell("cell.yaml");
+  std::filesystem::current_path(here);
+  const std::vector<Finding> findings = cell.drives[0].kind->examine(cell);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0].fault, Contains("cannot be started in " + folder.path().string() + ":"));
+}
+
+TEST_CASE("The doctor tells the counts of a motion program") {
+  const test::TemporaryFolder folder;
+  const std::string keys =
+      "kind: command, program: [python3, -B, " PLANAR_EXAMPLES "/motion_program.py]";
+  const CellSettings cell = read_cell(test::cell_with_drives(folder, {keys, keys, keys}));
+  const std::vector<Finding> findings = cell.drives[0].kind->examine(cell);
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].fault == "simulated motors, at 0, 0, 0 counts, off");
 }
 
 TEST_CASE("A cell file names one motion program for its three joints") {

@@ -40,6 +40,8 @@ def write(text):
         text = "7" + text
     if FAULT == "nowhere" and count == AT:
         text = text.split()[0] + " ok 1 2 here"
+    if FAULT == "idle" and count == AT:
+        text = text.split()[0] + " ok 1 2 3 idle 0"
     sys.stdout.buffer.write((text + "\n").encode("latin-1") * (2 if FAULT == "twice" and count == AT else 1))
     sys.stdout.flush()
 

@@ -1,10 +1,14 @@
 #include "planar_servo/hardware/links/linked_drives.h"
 
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <sstream>
 #include <string>
 
 #include "planar_servo/base/core/clock.h"
@@ -27,7 +31,7 @@ struct Script {
   MachineState state;
   double braking_s{0.0};
   std::function<void(MachineState&)> when_stopped{[](MachineState& told) { told.moving = false; }};
-  bool is_gone{false}, refuses{false};
+  bool is_gone{false}, refuses{false}, refuses_to_tell{false}, refuses_to_stop{false};
   int moves_told{0};
 };
 
@@ -40,10 +44,14 @@ class ScriptedMachine final : public MachineLink {
     ++script_.moves_told;
     script_.state.moving = true;
   }
-  void stop() override { rests_s_ = clock_.now_s() + script_.braking_s; }
+  void stop() override {
+    if (script_.refuses_to_stop) throw WorkError("the brake is worn", Cause::kDevice);
+    rests_s_ = clock_.now_s() + script_.braking_s;
+  }
   void search_home(int, HomeDirection) override {}
   MachineState read() override {
     if (script_.is_gone) throw WorkError("the cable is cut", Cause::kDevice);
+    if (script_.refuses_to_tell) throw MachineRefusal("it went elsewhere", Cause::kContradiction);
     if (clock_.now_s() >= rests_s_) {
       rests_s_ = HUGE_VAL;
       script_.when_stopped(script_.state);
@@ -78,6 +86,53 @@ TEST_CASE("A halt fails where the machine got out of touch in a move, and not at
   script.is_gone = true;
   CHECK_FALSE(drives.status()[0].answers);
   CHECK_NOTHROW(drives.halt());
+}
+
+TEST_CASE(
+    "A machine that refuses in a move is stopped, and a halt fails where it does not answer") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  drives.set_targets({1000, 0, 0});
+  script.refuses_to_tell = true;
+  script.refuses_to_stop = GENERATE(false, true);
+  const DriveStatus status = drives.status()[0];
+  CHECK_FALSE(status.answers);
+  CHECK_FALSE(status.position_certain);
+  CHECK(status.faults == std::vector<std::string>{"it went elsewhere"});
+  if (script.refuses_to_stop)
+    CHECK_THROWS_MATCHES(drives.halt(), DriveError, Refused(Cause::kDevice, "halt"));
+  else
+    CHECK_NOTHROW(drives.halt());
+}
+
+TEST_CASE("A machine that has not begun its move is told from one that came to rest on the way") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  drives.set_targets({1000, 0, 0});
+  script.state.moving = false;
+  script.state.counts[0] = GENERATE(0, kBeside, 500);
+  const DriveStatus status = drives.status()[0];
+  REQUIRE(status.faults.size() == 1);
+  CHECK_THAT(status.faults[0], Contains("came to rest at"));
+  CHECK((status.faults[0].find("did not begin") == std::string::npos) ==
+        (script.state.counts[0] == 500));
+}
+
+TEST_CASE("A machine that says that it lost its position is told by its own count of losses") {
+  std::ostringstream said;
+  const auto usual = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "said", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+  Script script;
+  script.state.losses = 2;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  script.state.losses = 3;
+  CHECK_FALSE(drives.status()[0].position_certain);
+  spdlog::set_default_logger(usual);
+  CHECK_THAT(said.str(), Contains("not certain any more: its losses went from 2 to 3"));
 }
 
 TEST_CASE("Counts that change at rest without an order make all positions uncertain") {

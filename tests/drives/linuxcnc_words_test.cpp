@@ -75,6 +75,8 @@ class EmulatedRsh {
   LinuxcncHost host;
   std::atomic<int> mixed_up{0};  ///< as many moves are not understood
   bool homes{true};              ///< joints where they stand, which are at 5 degrees then
+  /// So many of the connections, the youngest first, are torn at once.
+  std::atomic<std::size_t> torn{0};
 
  private:
   void serve() {
@@ -97,6 +99,12 @@ class EmulatedRsh {
         }
       }
       if (open[0].revents != 0) open.push_back({accept(listener_, nullptr, nullptr), POLLIN, 0});
+      for (std::size_t left = torn; left > 0; torn = --left) {
+        const linger at_once{1, 0};
+        setsockopt(open.back().fd, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+        close(open.back().fd);
+        open.pop_back();
+      }
     }
     for (std::size_t i = 1; i < open.size(); ++i)
       if (open[i].fd >= 0) close(open[i].fd);
@@ -259,6 +267,21 @@ TEST_CASE("A move beyond the limits of LinuxCNC's own INI is refused, and nothin
   CHECK(rests(drives));
   for (const DriveStatus& drive : drives.status()) CHECK(drive.position_certain);
   CHECK_NOTHROW(drives.set_targets({2000, 1500, -3000}));
+}
+
+TEST_CASE("An order to stop goes by another connection where one is torn, or is not given") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  LinuxcncLink link(rsh.host);  // which reads, moves and stops by a connection each
+  const auto tear = [&](std::size_t connections) {
+    rsh.torn = connections;
+    REQUIRE(test::eventually([&] { return rsh.torn == 0; }));
+  };
+  tear(1);
+  link.stop();
+  CHECK(test::eventually([&] { return !rsh.told("set abort").empty(); }));
+  tear(1);
+  CHECK_THROWS_MATCHES(link.stop(), WorkError, Refused(Cause::kDevice, "connection"));
 }
 
 /// Ends the one process that this thread has begun.

@@ -3,12 +3,13 @@
 modbus_drivers.py EXAMPLES PORT [--make leadshine|oriental] [--low-first] [--at COUNT,COUNT,COUNT] [--addresses A,B,C]
                   [--lose N] [--garble N] [--late N] [--stranger N] [--mute-moving A] [--alarm-moving A]
                   [--stall-moving A] [--restart-moving A] [--end-moving] [--hang-moving] [--after S] [--deaf-to-start] [--deaf-to-home]
-                  [--single] [--shafts PIPE]
+                  [--single] [--ramps LEAST,MOST] [--window COUNTS] [--shafts PIPE]
 
 It says "ready" once PORT is there. Of answers each N-th is lost, garbled, 0.15 s late, or another slave's. S seconds
 (0.1) into its first move a driver of address A says nothing more, stops with an alarm, stops and says nothing of it, or
-starts anew, off and counting from 0, or the adapter is gone or says nothing for 2 s. With --single they take single registers by function 0x06 alone. PIPE
-gets a line of counts whenever a motor has turned.
+starts anew, off and counting from 0, or the adapter is gone or says nothing for 2 s. With --single they take single registers by function 0x06 alone.
+Leadshine's refuse ramps outside --ramps. A way of up to --window counts is none to them. PIPE gets a line of counts
+whenever a motor has turned.
 """
 import argparse
 import os
@@ -21,6 +22,7 @@ sys.path.insert(0, sys.argv[1])
 from motion_program import Machine
 from pymodbus.factory import ServerDecoder
 from pymodbus.framer.rtu_framer import ModbusRtuFramer
+from pymodbus.pdu import ModbusExceptions
 
 ALARM = 0x0E0
 
@@ -28,8 +30,8 @@ ALARM = 0x0E0
 class Driver:
     """One motor behind registers: what pymodbus' requests read and write."""
 
-    def __init__(self, make, low_first, at, deaf_to_home):
-        self.make, self.low_first, self.deaf_to_home = make, low_first, deaf_to_home
+    def __init__(self, make, low_first, at, deaf_to_home, window):
+        self.make, self.low_first, self.deaf_to_home, self.window = make, low_first, deaf_to_home, window
         self.machine, self.offset = Machine(), at
         self.words, self.armed, self.alarm, self.moved_s, self.searches = {}, None, 0, None, False
 
@@ -98,6 +100,11 @@ class Driver:
         elif address == 0x007C and self.long_at(0x7C) == 0x80:
             self.alarm = 0
 
+    def refuses(self, request, ramps):
+        """Returns whether it is a move with a ramp outside of these."""
+        is_move = self.make == "leadshine" and request.function_code == 0x10 and request.address == 0x6200
+        return is_move and not all(ramps[0] <= ramp <= ramps[1] for ramp in request.values[4:6])
+
     def search(self):
         if not self.deaf_to_home:
             self.armed, self.searches = (0, 5000.0, 50000.0), True
@@ -108,7 +115,7 @@ class Driver:
             return
         position, speed, acceleration = self.armed
         way = position - self.position()
-        if way == 0:
+        if abs(way) <= self.window:
             return
         ramp = min(speed / acceleration, (abs(way) / acceleration) ** 0.5)
         self.machine.move([position - self.offset, 0, 0], abs(way) / (acceleration * ramp) + ramp, ramp)
@@ -121,7 +128,7 @@ class Driver:
 class Line:
     def __init__(self, options):
         self.options, self.answers = options, 0
-        self.drivers = {address: Driver(options.make, options.low_first, at, options.deaf_to_home)
+        self.drivers = {address: Driver(options.make, options.low_first, at, options.deaf_to_home, options.window)
                         for address, at in zip(options.addresses, options.at)}
         self.framer = ModbusRtuFramer(ServerDecoder())
         self.inner, outer = os.openpty()
@@ -165,7 +172,8 @@ class Line:
         driver = self.drivers.get(address)
         if driver is None or (address == self.options.mute_moving and driver.is_under_way(self.options.after)):
             return
-        answer = request.execute(driver)
+        refuses = driver.refuses(request, self.options.ramps)
+        answer = request.doException(ModbusExceptions.IllegalValue) if refuses else request.execute(driver)
         answer.unit_id = address
         self.say(self.framer.buildPacket(answer))
 
@@ -217,5 +225,7 @@ for name in ("lose", "garble", "late", "stranger", "mute-moving", "alarm-moving"
 for name in ("low-first", "deaf-to-start", "deaf-to-home", "end-moving", "hang-moving", "single"):
     parser.add_argument(f"--{name}", action="store_true")
 parser.add_argument("--after", type=float, default=0.1)
+parser.add_argument("--ramps", type=numbers, default=[0, 0xFFFF])
+parser.add_argument("--window", type=int, default=0)
 parser.add_argument("--shafts")
 Line(parser.parse_args()).serve()

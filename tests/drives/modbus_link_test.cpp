@@ -165,12 +165,13 @@ TEST_CASE("A driver that says nothing is named with what to look at") {
 
 TEST_CASE("An alarm in mid-move is named, and switching on again clears it") {
   REQUIRE_PYMODBUS();
-  const Bus bus({"--alarm-moving", "1"});
+  const Bus bus({"--alarm-moving", "1", "--at", "70000,0,0"});
   LinkedDrives drives = bus.drives();
   make_ready(drives);
   drives.set_targets({20000, 0, 0});
   REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
-  CHECK_THAT(drives.status()[0].faults.front(), Equals("drive 1 (address 1) reports alarm 0xe0"));
+  CHECK_THAT(drives.status()[0].faults.front(),
+             Equals("drive 1 (address 1) reports alarm 0xe0 in register 0x2203"));
   REQUIRE(all_rest(drives));
   CHECK_THROWS_MATCHES(drives.set_targets({0, 0, 0}), DriveError,
                        Refused(Cause::kDevice, "alarm 0xe0"));
@@ -303,13 +304,15 @@ TEST_CASE("Words in the other order are refused before a move of 65,536 counts")
     CHECK_THROWS_MATCHES(bus.drives(), DriveError, Refused(Cause::kContradiction, "327680"));
   }
   SECTION("by the first count of drivers that stand at 0") {
+    const int way = GENERATE(9000, -9000);  // -1 is the same in both orders
     const Bus bus({"--low-first"});
     LinkedDrives drives = bus.drives();
     make_ready(drives);
-    drives.set_targets({9000, -100, 0});
+    drives.set_targets({way, -100, 0});
     REQUIRE(test::eventually([&] { return !drives.status()[0].answers; }));
     CHECK_FALSE(drives.status()[0].position_certain);
-    CHECK_THROWS_MATCHES(drives.set_targets({9000, -100, 0}), DriveError,
+    CHECK_NOTHROW(drives.halt());
+    CHECK_THROWS_MATCHES(drives.set_targets({way, -100, 0}), DriveError,
                          Refused(Cause::kContradiction, "drive 1 (address 1)"));
     ModbusLine other = bus.line;
     other.map.high_word_first = false;
@@ -325,6 +328,64 @@ TEST_CASE("Words in the other order are refused before a move of 65,536 counts")
     REQUIRE(all_rest(drives));
     CHECK(positions(drives) == Targets{100, 100, 100});
   }
+}
+
+TEST_CASE("Drivers whose ramps have a range are sent no other, at first and where they rest, too") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({"--ramps", "10,32767"});
+  LinkedDrives drives = bus.drives();
+  make_ready(drives);
+  // Beside a long way a short one would have a ramp of minutes.
+  for (const Targets& targets : {Targets{0, 9000, 0}, Targets{9000, 9002, 0}}) {
+    drives.set_targets(targets);
+    REQUIRE(all_rest(drives));
+    CHECK(positions(drives) == targets);
+    CHECK(drives.status()[1].faults.empty());
+  }
+}
+
+TEST_CASE("What a driver refuses is named and not repeated, all are stopped, and none is lost") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({"--ramps", "10,1000", "--at", "70000,0,0"});
+  {
+    LinkedDrives drives = bus.drives();
+    make_ready(drives);
+    CHECK_THROWS_MATCHES(
+        drives.set_targets({9000, 0, 0}), DriveError,
+        Refused(Cause::kDevice, "1667 1667 0 in register 0x6200): Illegal data value"));
+    CHECK_NOTHROW(drives.halt());
+    CHECK(drives.status()[0].answers);
+    CHECK(drives.status()[0].position_certain);
+    CHECK_FALSE(drives.status()[0].moving);
+  }
+  ModbusLink link(bus.line);
+  const int before = link.errors().telegrams;
+  CHECK_THROWS_AS(link.go_to(Pulses(79000, 0, 0), {kRated, kRated, kRated}), MachineRefusal);
+  constexpr int kStops = 1 + 3;  // for all at once, and for each
+  CHECK(link.errors().telegrams - before == 1 + kStops);
+}
+
+TEST_CASE("A closed loop that takes three counts for no way shows the order of its words, too") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({"--window", "3"});
+  LinkedDrives drives = bus.drives();
+  make_ready(drives);
+  const int way = GENERATE(9000, -9000);
+  drives.set_targets({way, 0, 0});
+  REQUIRE(all_rest(drives));
+  CHECK(positions(drives) == Targets{way, 0, 0});
+  CHECK(drives.status()[0].faults.empty());
+}
+
+TEST_CASE("A driver that moves whatever it is told is named with the bit that says so") {
+  REQUIRE_PYMODBUS();
+  Bus bus({});
+  bus.line.map.moving.bit = 1;  // which tells that it is on
+  LinkedDrives drives = bus.drives();
+  drives.energize();
+  CHECK_THROWS_MATCHES(
+      drives.halt(), DriveError,
+      Refused(Cause::kDevice, "drive 3 (address 3) says so by bit 1 of its status, 0x0002"));
 }
 
 TEST_CASE("A stop is obeyed while a driver still shows the order of its words") {
@@ -351,7 +412,22 @@ TEST_CASE("Drivers that do not begin are seen to rest elsewhere") {
   drives.set_targets({100, 100, 100});
   REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
   CHECK_THAT(drives.status()[0].faults.front(),
-             Contains("came to rest at 3, 3, 3 counts, where it was sent to 103, 103, 103"));
+             Contains("came to rest at 3, 3, 3 counts, where it was sent to 103, 103, 103") &&
+                 Contains("did not begin"));
+}
+
+TEST_CASE("Drivers at 0 that do not begin are not taken for some whose words are exchanged") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({"--deaf-to-start"});
+  LinkedDrives drives = bus.drives();
+  make_ready(drives);
+  drives.set_targets({9000, 0, 0});
+  REQUIRE(test::eventually([&] { return !drives.status()[0].answers; }));
+  CHECK_THAT(drives.status()[0].faults.front(),
+             Contains("sent from 0 to 10 and stays at 0") && Contains("`move` or `start`"));
+  CHECK_THROWS_MATCHES(drives.set_targets({9000, 0, 0}), DriveError,
+                       Refused(Cause::kDevice, "drive 1 (address 1)"));
+  CHECK_NOTHROW(drives.halt());
 }
 
 TEST_CASE("A home switch is searched by the driver, which counts from there") {
@@ -418,11 +494,14 @@ TEST_CASE("A map of registers is read, and each fault of it named") {
   check_refused("0x1014 2", "0x1014 3", "'0x1014 3'");
   check_refused("moving: \"2\"", "moving: \"two\"", "'two'");
   check_refused("1 position speed", "1 place speed", "'0x6200: 1 place speed");
-  check_refused("1 position speed", "1 1 speed", "position", Cause::kMissing);
-  check_refused("position speed", "position 1", "speed", Cause::kMissing);
+  check_refused("moving: \"2\"", "moving: \"0x0004\"", "'0x0004'");
+  check_refused("moving: \"2\"", "moving: \"not 0x2\"", "'not 0x2'");
+  check_refused("1 position speed", "1 1 speed", "move writes no position", Cause::kMissing);
+  check_refused("position speed", "position 1", "move writes no speed", Cause::kMissing);
   check_refused("0x1014 2", "0x1014 1", "map.yaml:9:");
-  check_refused("moving: \"2\"", "moving: \"16\"", "bit 16");
-  check_refused("homed: \"6\"", "homed: \"16\"", "bit 16");
+  check_refused("0x1014 2", "0x1014 1", "position is one register");
+  check_refused("moving: \"2\"", "moving: \"16\"", "moving is bit 16");
+  check_refused("homed: \"6\"", "homed: \"16\"", "homed is bit 16");
   CHECK(map.homed->bit == 6);
   CHECK(read_modbus_map(PLANAR_MODBUS_MAPS "/oriental-az.yaml").homed->bit == 4);
   check_refused("0x6002: 0x10", "0x16002: 0x10", "'0x16002: 0x10'");
@@ -431,7 +510,42 @@ TEST_CASE("A map of registers is read, and each fault of it named") {
   check_refused("stop:", "stopp:", "'stop'", Cause::kMissing);
   check_refused("0x1014 2", "40021 2", "40021");
   check_refused("0x6002: 0x40", "40021: 0x40", "40021");
-  check_refused("start: \"0x6002", "start: \"0x6200", "move", Cause::kContradiction);
+  check_refused("start: \"0x6002: 0x10", "start: \"0x6200: 1", "start is written by move",
+                Cause::kContradiction);
+}
+
+TEST_CASE("A bit of one control word may start what a move has written with the bit off") {
+  const test::TemporaryFolder folder;
+  std::string text = read_file(PLANAR_MODBUS_MAPS "/leadshine-rs.yaml");
+  const std::string moves = "0x6200: 1 position speed acceleration acceleration 0";
+  REQUIRE(text.find(moves) != std::string::npos);
+  text.replace(text.find(moves), moves.size(),
+               "0x6201: position speed acceleration\", \"0x6002: 1");
+  const ModbusMap map = read_modbus_map(folder.write("map.yaml", text));
+  CHECK(map.move.back().address == map.start->address);
+}
+
+TEST_CASE("The doctor doubts a map by which every driver has a ramp of its own") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({});
+  const test::TemporaryFolder folder;
+  std::string text = read_file(PLANAR_MODBUS_MAPS "/leadshine-rs.yaml");
+  const bool has_ramp = GENERATE(true, false);
+  const std::string ramps = "acceleration acceleration";
+  if (!has_ramp) text.replace(text.find(ramps), ramps.size(), "100 100");
+  folder.write("map.yaml", text);
+  const auto driver = [&](int address) {
+    return fmt::format(
+        "kind: modbus, port: {}, baud: 115200, parity: none, registers: map.yaml, address: {}",
+        bus.line.port, address);
+  };
+  const CellSettings cell =
+      read_cell(test::cell_with_drives(folder, {driver(1), driver(2), driver(3)}));
+  const std::vector<Finding> findings = cell.drives[0].kind->examine(cell);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0].fault, Contains("all three answer") && Contains("0, 0, 0 counts, off"));
+  CHECK(findings[0].verdict == (has_ramp ? Finding::Verdict::kWell : Finding::Verdict::kDoubtful));
+  CHECK((findings[0].remedy.find("acceleration") == std::string::npos) == has_ramp);
 }
 
 TEST_CASE("Speeds and ramps are written in the driver's unit, which must fit its registers") {
@@ -452,12 +566,16 @@ TEST_CASE("Speeds and ramps are written in the driver's unit, which must fit its
   const auto fast = map.misfit({2e5, 1e5}, 10000.0);  // 1200 rpm in hundredths
   REQUIRE(fast);
   CHECK_THAT(fast->text(), Contains("120000") && Contains("speed/2"));
+  map.longest_ramp = 1600;
+  CHECK(map.acceleration_number(100000.0, 10000.0) == 1600);
+  CHECK_THAT(map.misfit({10000.0, 1e5}, 10000.0).value().text(), Contains("ramp of 1600"));
   map.acceleration = {ModbusAcceleration::kCounts, 1.0};
   CHECK_THAT(map.misfit({10000.0, 1e5}, 10000.0).value().text(), Contains("acceleration/2"));
   map.move[0].values[1].words = 2;
   CHECK_FALSE(map.misfit({10000.0, 1e5}, 10000.0));
   map.speed.size = 1000.0;
-  CHECK_THAT(map.misfit({10000.0, 1e5}, 10000.0).value().text(), Contains("less than one unit"));
+  CHECK_THAT(map.misfit({10000.0, 1e5}, 10000.0).value().text(),
+             Contains("0.06 times 1000 rpm") && Contains("less than one unit"));
 }
 
 TEST_CASE("Three joints of a cell are three drivers of one make on one line") {

@@ -14,15 +14,18 @@ if grep -q $'\033' out.txt err.txt; then fail "lines of a terminal were drawn in
   fail "what was taught was not reached"
 grep -q "2 of 2 targets reached" servo.txt || fail "$(cat servo.txt)"
 
-# Typing errors: told, counted, and the arm stays; the session goes on to the last line.
+# A command in a pipe that is mistyped or refused is told, and nothing behind it is done: it was meant for elsewhere.
 cp taught.csv before.csv
-status=0
-printf '%s\n' enable where 'joint 2 5,0' 'x 10 mm' 'jonit 2 5' 'x 900' 'teach a' where quit 'x 5' |
-  jog --teach taught.csv || status=$?
-[ "$status" -eq 1 ] || fail "a session with typing errors ended with $status"
-[ "$(wc -l <err.txt)" -eq 5 ] || fail "not every error was told: $(cat err.txt)"
-[ "$(sort out.txt | uniq -c | awk '$1 == 2' | grep -c 'end point')" -eq 1 ] || fail "$(cat out.txt)"
-cmp -s taught.csv before.csv || fail "a refused place was taught"
+for wrong in 'joint 2 5,0' 'x 10 mm' 'jonit 2 5' 'x 900' 'teach a'; do
+  status=0
+  printf '%s\n' enable where "$wrong" 'joint 2 5' 'teach Z' quit | jog --teach taught.csv || status=$?
+  [ "$status" -eq 1 ] || fail "'$wrong' ended with $status"
+  [ "$(grep -c 'no command after this one is done' err.txt)" -eq 1 ] || fail "'$wrong' was not told: $(cat err.txt)"
+  [ "$(wc -l <err.txt)" -eq 1 ] || fail "after '$wrong' more was said: $(cat err.txt)"
+  [ "$(grep -c 'end point' out.txt)" -eq 1 ] || fail "something was done after '$wrong': $(cat out.txt)"
+  cmp -s taught.csv before.csv || fail "a place was taught after '$wrong'"
+done
+printf '%s\n' enable quit 'x 900' | jog || fail "a command behind quit was done: $(cat err.txt)"
 
 # A last command without its end may lack digits: refused.
 status=0
@@ -60,6 +63,8 @@ exec 3>keys
 on_screen "quit .* end the program"
 printf 'enable\n' >&3
 on_screen "the drives are on"
+printf 'jonit 2 5\n' >&3
+on_screen "there is no command 'jonit'"
 printf 'go b\n' >&3
 on_screen "Enter stops the arm.*moved to b, .* by the links"
 printf 'focus\n' >&3

@@ -15,7 +15,7 @@ reached() { # reached FOLDER: both targets, as the loop itself sees it
   [ "$(grep -c ',reached,' "$1/results.csv")" -eq 2 ] || fail "$(cat "$1/results.csv")"
 }
 "$bin/planar-doctor" --cell cell/live.yaml >doctor.txt || fail "$(cat doctor.txt)"
-grep -q "^well  *drives: simulated motors, off" doctor.txt || fail "$(cat doctor.txt)"
+grep -q "^well  *drives: simulated motors, at 0, 0, 0 counts, off" doctor.txt || fail "$(cat doctor.txt)"
 expect 1 "start with --at-marks" "${servo[@]}" --no-health --out made
 "${servo[@]}" --at-marks --out by_command
 reached by_command

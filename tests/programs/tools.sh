@@ -46,6 +46,8 @@ status=0
 "${teach[@]}" --check cell/needle.yaml --poses bent.csv >out.txt || status=$?
 [ $status -eq 1 ] && grep -q "no longer where" out.txt || fail "a bent tip ended with $status: $(cat out.txt)"
 
+printf '%s\n' enable 'x 900' 'teach A' >refused.txt
+expect 1 "a command failed, so the poses" "${teach[@]}" -o made <refused.txt
 made=("${teach[@]}" -o made --poses)
 poses 0 0 10 180 >two.csv
 expect 2 "2 directions.*three are the least" "${made[@]}" two.csv

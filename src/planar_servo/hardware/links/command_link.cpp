@@ -76,8 +76,10 @@ void ChildProgram::start(const MotionProgram& program, int input, int output) {
   if (fault == 0) return;
   throw WorkError({fmt::format("'{}' cannot be started in {}: {}", words[0],
                                program.folder.string(), std::strerror(fault)),
-                   "correct `program` in the cell file", "",
-                   fault == ENOENT ? Cause::kMissing : Cause::kSystem});
+                   fault == EACCES || fault == ENOEXEC
+                       ? "make it executable (chmod +x), or name its interpreter before it"
+                       : "correct `program` in the cell file",
+                   "", fault == ENOENT ? Cause::kMissing : Cause::kSystem});
 }
 
 ChildProgram::~ChildProgram() {
@@ -176,8 +178,11 @@ MachineState CommandLink::read() {
   const bool is_known =
       motion == "off" || motion == "resting" || motion == "moving" || motion == "homing";
   if (!text || !is_known)
-    throw WorkError(
-        {fmt::format("it says that it is at '{}'", answer), kSeeProtocol, "", Cause::kDevice});
+    throw WorkError({fmt::format("it answers 'where' with '{}'; {}", answer,
+                                 is_known || motion.empty()
+                                     ? "counts and LOSSES must be whole numbers of 32 bits"
+                                     : "MOTION must be off, resting, moving or homing"),
+                     kSeeProtocol, "", Cause::kDevice});
   std::getline(text >> std::ws, fault);
   state.on = motion != "off";
   state.moving = motion == "moving" || motion == "homing";

@@ -71,9 +71,11 @@ std::vector<Finding> examine_link(const Machine& machine, const std::string& pla
   }
 }
 
-Finding well(const std::string& what, const MachineState& state) {
-  return {{fmt::format("{}, {}", what, state.on ? "switched on" : "off"), "", kDrives},
-          Finding::Verdict::kWell};
+Finding well(const std::string& what, const MachineState& state, const std::string& doubt = "") {
+  return {{fmt::format("{}, at {} counts, {}", what, fmt::join(state.counts, ", "),
+                       state.on ? "switched on" : "off"),
+           doubt, kDrives},
+          doubt.empty() ? Finding::Verdict::kWell : Finding::Verdict::kDoubtful};
 }
 
 }  // namespace
@@ -95,7 +97,7 @@ void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) con
   if (drive.given("answer_ms", false))
     drive.number("answer_ms", program.answer_s, kMillisecond,
                  Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
-  program.folder = cell.file.parent_path();
+  program.folder = std::filesystem::absolute(cell.file).parent_path();
   cell.drives[joint].details = details;
   list_home(drive, cell.transmission.drives[joint]);
   for (std::size_t i = 0; i < joint; ++i)
@@ -248,9 +250,13 @@ std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
     while (link.errors().telegrams < kTelegrams) link.read();
     const LineErrors& errors = link.errors();
     if (errors.garbled + errors.unanswered == 0)
-      return well(fmt::format("{}: all three answer each of {} telegrams, at {} counts",
-                              name_of(line), errors.telegrams, fmt::join(state.counts, ", ")),
-                  state);
+      return well(
+          fmt::format("{}: all three answer each of {} telegrams", name_of(line), errors.telegrams),
+          state,
+          line.map.values_of(RegisterValue::What::kAcceleration).empty()
+              ? "`move` writes no acceleration, so that joints leave the straight way: see "
+                "doc/modbus.md"
+              : "");
     return {{fmt::format("{}: of {} telegrams {} were garbled and {} not answered", name_of(line),
                          errors.telegrams, errors.garbled, errors.unanswered),
              "look at the line's resistors at both ends, its shield and ground", kDrives,
@@ -338,11 +344,8 @@ std::shared_ptr<DriveGroup> LinuxcncKind::open(const CellSettings& cell) const {
 std::vector<Finding> LinuxcncKind::examine(const CellSettings& cell) const {
   const LinuxcncHost host = host_of(cell);
   const auto judge = [&](const LinuxcncLink& link, const MachineState& state) {
-    Finding finding =
-        well(name_of(host) + (link.unchecked().empty() ? ", with the cell's settings" : ""), state);
-    finding.remedy = link.unchecked();
-    if (!finding.remedy.empty()) finding.verdict = Finding::Verdict::kDoubtful;
-    return finding;
+    return well(name_of(host) + (link.unchecked().empty() ? ", with the cell's settings" : ""),
+                state, link.unchecked());
   };
   return examine_link<LinuxcncLink>(host, "", "look at LinuxCNC's own messages",
                                     "see doc/linuxcnc.md", judge);

@@ -104,15 +104,25 @@ void LinkedDrives::read() {
   if (!link_) return;
   try {
     take(link_->read());
+  } catch (const MachineRefusal& error) {
+    try {
+      link_->stop();
+      state_.moving = false;
+    } catch (const WorkError&) {
+      // It may move still.
+    }
+    lose(error.refusal());
   } catch (const WorkError& error) {
     lose(error.refusal());
   }
 }
 
 void LinkedDrives::take(const MachineState& state) {
-  const bool is_lost = state.losses != state_.losses;
-  state_ = state;
-  if (is_lost) forget(state.faults.empty() ? "" : ": " + state.faults.front());
+  const int losses = std::exchange(state_, state).losses;
+  const bool is_lost = state.losses != losses;
+  if (is_lost)
+    forget(fmt::format(": its losses went from {} to {}{}", losses, state.losses,
+                       state.faults.empty() ? "" : ", " + state.faults.front()));
   const bool rests = !state.moving && !state.homing;
   if (rest_ || rests) check_rest();
   if (!rests) return;
@@ -147,9 +157,12 @@ void LinkedDrives::judge_rest() {
   if (!goal_) return;
   if (state_.counts != *goal_ && state_.faults.empty())
     missed_ = fmt::format(
-        "it came to rest at {} counts, where it was sent to {}: it has limits of its own there, "
+        "it {}came to rest at {} counts, where it was sent to {}: it has limits of its own there, "
         "lost steps, was stopped by somebody else, or braked because it was not asked for long; "
         "`enable` clears this",
+        apart(state_.counts, from_) > in_position_
+            ? ""
+            : "did not begin: look at what starts a move in the map, or in your program; it ",
         fmt::join(state_.counts, ", "), fmt::join(*goal_, ", "));
   goal_.reset();
 }
@@ -186,9 +199,9 @@ void LinkedDrives::brake_to_rest() {
   const auto begun = std::chrono::steady_clock::now();
   for (take(link_->read()); state_.moving; take(link_->read())) {
     if (std::chrono::steady_clock::now() - begun > patience)
-      throw WorkError(
-          fmt::format("it still moves {:.0f} s after it was told to stop", patience.count()),
-          Cause::kDevice);
+      throw WorkError(fmt::format("it still moves {:.0f} s after it was told to stop{}",
+                                  patience.count(), state_.mover),
+                      Cause::kDevice);
     std::this_thread::sleep_for(kBrakingPoll);
   }
 }
@@ -220,6 +233,7 @@ void LinkedDrives::set_targets(const std::array<std::int32_t, 3>& targets_pulses
   if (state_.counts == target) return;
   command("move", [&] {
     rest_.reset();
+    from_ = state_.counts;
     state_.moving = true;  // it may, even if it gets out of touch now
     try {
       link_->go_to(target, limits_);

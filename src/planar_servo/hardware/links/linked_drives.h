@@ -76,6 +76,7 @@ class LinkedDrives final : public DriveGroup {
   Refusal error_;  ///< why the machine is out of touch
   MachineState state_;
   std::optional<Pulses> goal_;  ///< until it was seen at rest there
+  Pulses from_{0, 0, 0};        ///< where it was as it was sent there
   std::string missed_;          ///< how it came to rest elsewhere than it should
   bool was_on_{false};          ///< since it was switched on, in touch all the time
   int in_position_;

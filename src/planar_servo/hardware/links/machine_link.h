@@ -22,6 +22,7 @@ struct MachineState {
   std::vector<std::string> faults{};
   bool emergency{false};        ///< its emergency stop is pressed, also by its own start
   bool stopped_by_hand{false};  ///< a person or a safety circuit may have stopped it
+  std::string mover{};          ///< ": ", and what says that it moves; empty where that is clear
 };
 
 /// How long a straight move takes, and each of the two parts in which it speeds up and slows down.
@@ -48,7 +49,8 @@ class MachineRefusal : public WorkError {
 
 /// A controller of three motors that moves them by itself once it is told where to. Every function
 /// throws WorkError when it is out of touch or says what cannot be; the link is closed then, which
-/// stops the machine as far as its kind can. After a MachineRefusal it is not.
+/// stops the machine as far as its kind can. After a MachineRefusal it is not, but for one of
+/// read(): then the machine is told to stop first.
 class MachineLink {
  public:
   virtual ~MachineLink() = default;

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <termios.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <thread>
@@ -40,12 +41,18 @@ bool is_garbled(int error) {
          error == EMBMDATA;
 }
 
+/// Whether a driver has understood what it is told, and will not do it another time either.
+bool is_refusal(int error) {
+  return error == EMBXILFUN || error == EMBXILADD || error == EMBXILVAL || error == EMBXSFAIL;
+}
+
 const char* remedy_for(int error) {
   if (error == ETIMEDOUT) return "look at address, baud, parity, power, and the two wires";
   if (error == EMBBADSLAVE) return "another master may be on the line; unplug it";
   if (is_garbled(error))
     return "two drivers may have one address, or parity, stop bits or the line's ends be wrong";
-  if (error == EMBXILADD || error == EMBXILFUN || error == EMBXILVAL)
+  if (error == EMBXILVAL) return "compare the range with its manual, or the register with the map";
+  if (is_refusal(error))
     return "the registers may be those of another driver; compare the map with its manual";
   return "unplug the adapter and plug it in again";
 }
@@ -93,24 +100,24 @@ std::string ModbusLink::name(std::size_t motor) const {
 template <typename Exchange>
 void ModbusLink::exchange(std::size_t motor, const std::string& what, const Exchange& act) {
   int error = 0;
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kTries && !is_refusal(error); ++i) {
     ++errors_.telegrams;
     modbus_set_slave(context_.get(), line_.addresses[motor]);
-    if (act() >= 0) {
-      if (i > 0) drop_late_answers();
-      return;
-    }
-    error = errno;
+    error = act() >= 0 ? 0 : errno;
+    if (i > 0 && (error == 0 || is_refusal(error))) drop_late_answers();
+    if (error == 0) return;
     errors_.garbled += is_garbled(error) ? 1 : 0;
     errors_.unanswered += error == ETIMEDOUT ? 1 : 0;
     modbus_flush(context_.get());
   }
-  throw WorkError(
-      {fmt::format("{} does not {}: {}", name(motor), what,
-                   error == ETIMEDOUT ? fmt::format("no answer within {:.0f} ms, {} times",
-                                                    line_.answer_s * 1e3, kTries)
-                                      : std::string(modbus_strerror(error))),
-       remedy_for(error), "", Cause::kDevice});
+  const Refusal failure{
+      fmt::format("{} does not {}: {}", name(motor), what,
+                  error == ETIMEDOUT ? fmt::format("no answer within {:.0f} ms, {} times",
+                                                   line_.answer_s * 1e3, kTries)
+                                     : std::string(modbus_strerror(error))),
+      remedy_for(error), "", Cause::kDevice};
+  if (is_refusal(error)) throw MachineRefusal(failure);
+  throw WorkError(failure);
 }
 
 /// What was repeated may be answered twice.
@@ -121,7 +128,7 @@ void ModbusLink::drop_late_answers() {
 
 long ModbusLink::read_value(std::size_t motor, const RegisterRead& from, const char* what) {
   std::uint16_t words[2]{};
-  exchange(motor, fmt::format("tell its {}", what),
+  exchange(motor, fmt::format("tell its {} in register {:#06x}", what, from.address),
            [&] { return modbus_read_registers(context_.get(), from.address, from.words, words); });
   if (from.words == 1) return words[0];
   const auto high = static_cast<std::uint32_t>(words[line_.map.high_word_first ? 0 : 1]);
@@ -157,7 +164,9 @@ void ModbusLink::write(std::size_t motor, const std::vector<RegisterWrite>& writ
                        const Move& move, const char* what) {
   for (const RegisterWrite& next : writes) {
     const std::vector<std::uint16_t> words = words_of(next, move);
-    exchange(motor, what, [&] { return write_words(next.address, words); });
+    exchange(motor,
+             fmt::format("{} ({} in register {:#06x})", what, fmt::join(words, " "), next.address),
+             [&] { return write_words(next.address, words); });
   }
 }
 
@@ -205,12 +214,14 @@ void ModbusLink::switch_on() {
   for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.switch_on, {}, "switch on");
 }
 
-ModbusLink::Move ModbusLink::move_of(std::size_t motor, long way, long target,
-                                     const MoveTime& time) const {
-  Move move{target, 1, 1};
-  if (way == 0) return move;
-  const double speed = std::abs(static_cast<double>(way)) / (time.duration_s - time.ramp_s);
+ModbusLink::Move ModbusLink::move_of(std::size_t motor, long target, const MoveTime& time,
+                                     DriveLimits limits) const {
   const double counts_per_turn = line_.counts_per_turn[motor];
+  const auto way = static_cast<double>(target - here_[motor]);
+  Move move{target, 1,
+            line_.map.acceleration_number(limits.acceleration_pulses_s2, counts_per_turn)};
+  if (way == 0.0) return move;
+  const double speed = std::abs(way) / (time.duration_s - time.ramp_s);
   move.speed = line_.map.speed_number(speed, counts_per_turn);
   move.acceleration = line_.map.acceleration_number(speed / time.ramp_s, counts_per_turn);
   return move;
@@ -218,7 +229,12 @@ ModbusLink::Move ModbusLink::move_of(std::size_t motor, long way, long target,
 
 void ModbusLink::start(const std::array<Move, 3>& moves) {
   may_move_ = true;
-  for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.move, moves[i], "take a move");
+  try {
+    for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.move, moves[i], "take a move");
+  } catch (const MachineRefusal&) {
+    stop();  // others may have begun
+    throw;
+  }
   if (line_.map.start) broadcast(*line_.map.start);
   started_ = Clock::now();
   turned_.fill(started_);
@@ -228,7 +244,7 @@ void ModbusLink::go_to(const Pulses& counts, const std::array<DriveLimits, 3>& l
   if (!proven_) return begin_proof(counts, limits);
   const MoveTime time = time_of(counts - here_, limits);
   std::array<Move, 3> moves{};
-  for (std::size_t i = 0; i < 3; ++i) moves[i] = move_of(i, counts[i] - here_[i], counts[i], time);
+  for (std::size_t i = 0; i < 3; ++i) moves[i] = move_of(i, counts[i], time, limits[i]);
   target_ = counts;
   start(moves);
 }
@@ -287,14 +303,18 @@ MachineState ModbusLink::read() {
     const long status = read_value(i, map.status, "status");
     state.counts[i] = static_cast<int>(read_value(i, map.position, "position"));
     state.moving = state.moving || map.moving.in(status);
+    if (map.moving.in(status))
+      state.mover = fmt::format(": {} says so by bit {} of its status, {:#06x}", name(i),
+                                map.moving.bit, status);
     // A late answer may tell of the status before the move.
     if (map.moving.in(status) || state.counts[i] != here_[i]) turned_[i] = Clock::now();
     if (search_ && search_->driver == i) watch_search(status);
     state.on = state.on && (!map.on || map.on->in(status));
     if (!map.fault || !map.fault->in(status)) continue;
-    state.faults.push_back(map.alarm ? fmt::format("{} reports alarm 0x{:x}", name(i),
-                                                   read_value(i, *map.alarm, "alarm"))
-                                     : fmt::format("{} reports a fault", name(i)));
+    state.faults.push_back(map.alarm
+                               ? fmt::format("{} reports alarm {:#x} in register {:#06x}", name(i),
+                                             read_value(i, *map.alarm, "alarm"), map.alarm->address)
+                               : fmt::format("{} reports a fault", name(i)));
   }
   if (std::string one = left_behind(state); !one.empty()) {
     state.faults.push_back(std::move(one));
@@ -345,42 +365,54 @@ void ModbusLink::check_word_order(const Pulses& counts) {
   for (const int position : counts) proven_ = proven_ || shows_order(position);
 }
 
-/// A driver at 0 cannot show the order of its words: 1 would be 65,536. So one motor makes one
-/// count, as slowly as it can, and is stopped where it goes elsewhere.
+/// A driver at 0 cannot show the order of its words: 1 would be 65,536. So one motor slowly makes a
+/// thousandth of a turn, as closed loops take less for none, and is stopped where it goes
+/// elsewhere. A ramp in two registers may be exchanged, too: then it and the way are so small that
+/// 65,536 times as much is little within a look, and it goes forward: -1 reads alike in both
+/// orders.
 void ModbusLink::begin_proof(const Pulses& then, const std::array<DriveLimits, 3>& limits) {
-  // One turn per minute, or so few counts that even 65,536 times as many move it little within a
-  // look; and a gentle ramp.
-  constexpr double kSlow_counts_s = 10.0, kGentle_counts_s2 = 10.0;
+  constexpr int kFewest = 2;
+  constexpr double kTurn = 1e-3, kPerSecond = 10.0, kGentle_counts_s2 = 10.0;
   std::array<Move, 3> moves{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double turn = line_.counts_per_turn[i];
-    moves[i] = {here_[i], line_.map.speed_number(kSlow_counts_s, turn),
-                line_.map.acceleration_number(kGentle_counts_s2, turn)};
-  }
+  for (std::size_t i = 0; i < 3; ++i) moves[i] = move_of(i, here_[i], {}, limits[i]);
   std::size_t motor = 0;
   (then - here_).cwiseAbs().maxCoeff(&motor);
-  const int from = here_[motor], count = from + (then[motor] >= from ? 1 : -1);
-  moves[motor].position = count;
+  const int from = here_[motor];
+  const double turn = line_.counts_per_turn[motor];
+  int way = std::max(kFewest, static_cast<int>(kTurn * turn)) * (then[motor] < from ? -1 : 1);
+  for (const RegisterValue& ramp : line_.map.values_of(RegisterValue::What::kAcceleration)) {
+    if (ramp.words == 1) continue;
+    way = 1;
+    moves[motor].acceleration =
+        std::min(moves[motor].acceleration, line_.map.acceleration_number(kGentle_counts_s2, turn));
+  }
+  moves[motor].position = from + way;
+  moves[motor].speed = line_.map.speed_number(kPerSecond * std::abs(way), turn);
   target_.reset();
-  proof_ = {motor, from, count, then, limits};
+  proof_ = {motor, from, from + way, then, limits};
   start(moves);
 }
 
 void ModbusLink::follow_proof(bool moves) {
   constexpr std::chrono::milliseconds kPatience{1000};
   const auto [motor, from, count, then, limits] = *proof_;
-  const int there = here_[motor];
-  proven_ = there == count && !moves;
+  const long made = long{here_[motor]} - from;
+  const bool is_near = std::abs(made) <= 2 * std::abs(count - from);
+  const auto since = Clock::now() - started_;
+  proven_ = is_near && shows_order(made) && !moves && since > kBeginning;
   if (proven_) {
     proof_.reset();
     return go_to(then, limits);
   }
-  if (std::abs(there - from) <= 1 && Clock::now() - started_ < kPatience) return;
+  if (is_near && since < kPatience) return;
   stop();
-  throw WorkError({fmt::format("{} was sent from {} to {} and says that it is at {}", name(motor),
-                               from, count, there),
-                   "the two words of its position may be exchanged: look at word_order in the map",
-                   "", Cause::kContradiction});
+  throw MachineRefusal(
+      {fmt::format("{} was sent from {} to {} and {} at {}", name(motor), from, count,
+                   is_near ? "stays" : "says that it is", here_[motor]),
+       is_near ? "the map's `move` or `start` does not start it, or it takes so short a way for "
+                 "none: look in its manual, or turn this motor by hand while it is off"
+               : "the two words of its position may be exchanged: look at word_order in the map",
+       "", is_near ? Cause::kDevice : Cause::kContradiction});
 }
 
 }  // namespace planar

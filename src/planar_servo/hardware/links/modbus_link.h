@@ -48,8 +48,7 @@ class ModbusLink final : public MachineLink {
 
   void switch_on() override;
   /// The first move of drivers that stood at 0, and so could not show the order of their words,
-  /// begins with a single count; read() throws WorkError, with the motors at rest, when that goes
-  /// elsewhere.
+  /// begins with a few counts; read() throws MachineRefusal when these lead elsewhere, or nowhere.
   void go_to(const Pulses& counts, const std::array<DriveLimits, 3>& limits) override;
   /// Tells every driver, whatever another one answers.
   void stop() override;
@@ -68,7 +67,7 @@ class ModbusLink final : public MachineLink {
     std::size_t driver;
     bool moves{false}, has_moved{false}, is_found{false};
   };
-  /// One count that a motor makes to show the order of words, and the move that waits for it.
+  /// A few counts that a motor makes to show the order of words, and the move that waits for them.
   struct Proof {
     std::size_t motor;
     int from, count;
@@ -76,7 +75,8 @@ class ModbusLink final : public MachineLink {
     std::array<DriveLimits, 3> limits;
   };
 
-  /// Does something on the line with a driver, again where it fails. Throws WorkError with `what`.
+  /// Does something on the line with a driver, again where no good answer comes. Throws WorkError
+  /// with `what`, MachineRefusal where the driver answers that it will not.
   template <typename Exchange>
   void exchange(std::size_t motor, const std::string& what, const Exchange& act);
   void drop_late_answers();
@@ -88,7 +88,7 @@ class ModbusLink final : public MachineLink {
   std::vector<std::uint16_t> words_of(const RegisterWrite& write, const Move& move) const;
   void broadcast(const RegisterWrite& write);
   void stop_all_that_hear();
-  Move move_of(std::size_t motor, long way, long target, const MoveTime& time) const;
+  Move move_of(std::size_t motor, long target, const MoveTime& time, DriveLimits limits) const;
   void start(const std::array<Move, 3>& moves);
   void watch_search(long status);
   std::string left_behind(const MachineState& state) const;

@@ -95,7 +95,7 @@ std::optional<StatusBit> bit_of(const std::string& text) {
   constexpr long kHighestBit = 31;
   const bool is_inverted = text.rfind(kNot, 0) == 0;
   const auto bit = word_of(is_inverted ? text.substr(std::char_traits<char>::length(kNot)) : text);
-  if (!bit || *bit > kHighestBit) return std::nullopt;
+  if (!bit || *bit > kHighestBit || text.find_first_of("xX") != text.npos) return std::nullopt;
   return StatusBit{static_cast<int>(*bit), is_inverted};
 }
 
@@ -115,7 +115,8 @@ constexpr char kWriteRule[] =
     "write REGISTER: VALUE..., each a number up to 0xffff, position, speed or acceleration, with "
     "/2 where it fills two registers";
 constexpr char kReadRule[] = "write REGISTER WORDS, such as 0x1014 2";
-constexpr char kBitRule[] = "write the number of a bit of the status, or not N, in quotes";
+constexpr char kBitRule[] =
+    "write the number of a bit of the status, or not N, in quotes; the mask 0x0004 is bit 2";
 
 /// Reads how much one number of a driver is: a unit, or a size and a unit, such as "0.01 rpm".
 template <typename Unit, std::size_t kSize>
@@ -160,35 +161,26 @@ void read_writes(YamlReader& file, const char* key, std::vector<RegisterWrite>& 
   }
 }
 
-/// Returns the values of this kind among what a move writes.
-std::vector<RegisterValue> values_in(const ModbusMap& map, What what) {
-  std::vector<RegisterValue> found;
-  for (const RegisterWrite& write : map.move)
-    for (const RegisterValue& value : write.values)
-      if (value.what == what) found.push_back(value);
-  return found;
-}
-
 /// Checks what one key cannot tell.
 void check_whole(YamlReader& file, const ModbusMap& map) {
   for (const What what : {What::kPosition, What::kSpeed})
-    file.check(!values_in(map, what).empty() || map.move.empty(),
-               {fmt::format("writes no {}", name_in(kValues, what)), "name it among its values", "",
-                Cause::kMissing},
+    file.check(!map.values_of(what).empty() || map.move.empty(),
+               {fmt::format("move writes no {}", name_in(kValues, what)),
+                "name it among its values", "", Cause::kMissing},
                "move");
   file.check(map.position.words == 2 || map.position.words == 0,
-             {"is one register", "a position needs two: REGISTER 2"}, "position");
-  if (map.start)
-    file.check(std::none_of(
-                   map.move.begin(), map.move.end(),
-                   [&](const RegisterWrite& write) { return write.address == map.start->address; }),
-               {"is written by move, too, so that each joint would begin before the others",
+             {"position is one register", "a position needs two: REGISTER 2"}, "position");
+  for (const RegisterWrite& write : map.move)
+    file.check(!map.start || write.address != map.start->address ||
+                   write.values[0].number != map.start->values[0].number,
+               {"start is written by move, too, so that each joint would begin before the others",
                 "leave it out of move, or leave start out", "", Cause::kContradiction},
                "start");
   const int bits = 16 * map.status.words;
   const auto check_bit = [&](const std::optional<StatusBit>& bit, const char* key) {
     if (bit)
-      file.check(bit->bit < bits, {fmt::format("is bit {} of {}", bit->bit, bits), kBitRule}, key);
+      file.check(bit->bit < bits,
+                 {fmt::format("{} is bit {} of {}", key, bit->bit, bits), kBitRule}, key);
   };
   check_bit(map.moving, "moving");
   check_bit(map.on, "on");
@@ -197,6 +189,14 @@ void check_whole(YamlReader& file, const ModbusMap& map) {
 }
 
 }  // namespace
+
+std::vector<RegisterValue> ModbusMap::values_of(What what) const {
+  std::vector<RegisterValue> found;
+  for (const RegisterWrite& write : move)
+    for (const RegisterValue& value : write.values)
+      if (value.what == what) found.push_back(value);
+  return found;
+}
 
 double ModbusMap::speed_in_units(double counts_s, double counts_per_turn) const {
   const bool is_rpm = speed.unit == ModbusSpeed::kRpm;
@@ -212,14 +212,14 @@ long ModbusMap::acceleration_number(double counts_s2, double counts_per_turn) co
   const double rpm_per_s = kRpmPerTurnPerS * counts_s2 / counts_per_turn;
   if (acceleration.unit == ModbusAcceleration::kMsPer1000Rpm)
     return std::clamp(static_cast<long>(std::ceil(1e6 / rpm_per_s / acceleration.size)), 1L,
-                      kHighestWord);
+                      static_cast<long>(longest_ramp));
   const double in_units = acceleration.unit == ModbusAcceleration::kRpmPerS ? rpm_per_s : counts_s2;
   return std::max(1L, static_cast<long>(std::floor(kRounding * in_units / acceleration.size)));
 }
 
 std::optional<Refusal> ModbusMap::misfit(const DriveLimits& limits, double counts_per_turn) const {
   const auto too_large = [&](What what, long number) -> std::optional<Refusal> {
-    for (const RegisterValue& value : values_in(*this, what))
+    for (const RegisterValue& value : values_of(what))
       if (value.words == 1 && number > kHighestWord)
         return Refusal{
             fmt::format("the cell's largest {} is {} for the driver, more than one register holds",
@@ -229,9 +229,18 @@ std::optional<Refusal> ModbusMap::misfit(const DriveLimits& limits, double count
                         name_in(kValues, what))};
     return std::nullopt;
   };
-  if (speed_in_units(limits.speed_pulses_s, counts_per_turn) < 1.0)
-    return Refusal{"the cell's largest speed is less than one unit of the driver",
-                   "compare the map's speed with the manual, or raise the limit"};
+  if (const double most = speed_in_units(limits.speed_pulses_s, counts_per_turn); most < 1.0)
+    return Refusal{
+        fmt::format("the cell's largest speed is {:.2g} times {:g} {}, less than one unit "
+                    "of the driver",
+                    most, speed.size, name_in(kSpeeds, speed.unit)),
+        "compare the map's speed with the manual, or raise the limit"};
+  const bool is_ramp = acceleration.unit == ModbusAcceleration::kMsPer1000Rpm;
+  if (is_ramp && acceleration_number(limits.acceleration_pulses_s2, counts_per_turn) >= longest_ramp)
+    return Refusal{fmt::format("the cell's acceleration takes a ramp of {} or more in the driver's "
+                               "numbers, its longest",
+                               longest_ramp),
+                   "compare the map's acceleration with the manual, or raise the limit"};
   if (auto why = too_large(What::kSpeed, speed_number(limits.speed_pulses_s, counts_per_turn)))
     return why;
   return too_large(What::kAcceleration,
@@ -258,8 +267,10 @@ ModbusMap read_modbus_map(const std::filesystem::path& path) {
   read_writes(file, "home_forward", map.home_forward, false);
   if (file.given("start")) read_text(file, "start", map.start, write_of, kWriteRule);
   read_rate(file, "speed", map.speed, kSpeeds);
-  if (!values_in(map, What::kAcceleration).empty() || file.given("acceleration"))
+  if (!map.values_of(What::kAcceleration).empty() || file.given("acceleration"))
     read_rate(file, "acceleration", map.acceleration, kAccelerations);
+  if (file.given("longest_ramp"))
+    file.whole_number("longest_ramp", map.longest_ramp, 1, static_cast<int>(kHighestWord));
   check_whole(file, map);
   file.throw_if_faulty();
   return map;

@@ -59,13 +59,16 @@ struct ModbusMap {
   std::optional<RegisterWrite> start;  ///< of all drivers at once, after `move`
   ModbusRate<ModbusSpeed> speed;
   ModbusRate<ModbusAcceleration> acceleration;
+  int longest_ramp{0xffff};  ///< the largest number that the driver takes as a ramp's time
 
+  /// Returns the values of this kind among what `move` writes.
+  std::vector<RegisterValue> values_of(RegisterValue::What what) const;
   /// Returns a speed, counts/s, in the driver's numbers.
   double speed_in_units(double counts_s, double counts_per_turn) const;
   /// Returns the driver's number for a speed in counts/s, rounded down but at least 1.
   long speed_number(double counts_s, double counts_per_turn) const;
   /// Returns the driver's number for an acceleration in counts/s2 that is not exceeded, at least 1;
-  /// of a ramp's time at most 65535.
+  /// of a ramp's time at most `longest_ramp`.
   long acceleration_number(double counts_s2, double counts_per_turn) const;
 
   /// Returns why the numbers for these limits do not fit into the registers; empty where they do.
