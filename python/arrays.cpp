@@ -23,8 +23,17 @@ std::string described(const py::array& array) {
                      shape_text(array));
 }
 
+/// Nothing that follows knows a mask. Throws InputError for an array that hides some of its values.
+void require_unmasked(const char* argument, const py::object& value) {
+  if (py::hasattr(value, "mask") &&
+      py::module_::import("numpy.ma").attr("is_masked")(value).cast<bool>())
+    throw InputError({"is an array with masked values",
+                      "give them values (.filled()), or leave out what they belong to", argument});
+}
+
 /// Returns the argument as an array; `allowed` says what is.
 py::array array_of(const char* argument, const py::object& value, const std::string& allowed) {
+  require_unmasked(argument, value);
   py::array array = py::array::ensure(value);
   if (array) return array;
   PyErr_Clear();
@@ -180,6 +189,7 @@ cv::Mat image_of(const char* argument, const py::object& value) {
       "numpy.array(PIL.Image.open(FILE).convert('L')) make one";
   if (!py::isinstance<py::array>(value))
     throw InputError({"is of type " + type_name(value), allowed, argument});
+  require_unmasked(argument, value);
   const auto array = py::reinterpret_borrow<py::array>(value);
   const bool is_grey =
       array.dtype().kind() == 'u' && array.dtype().itemsize() == 1 && array.ndim() == 2;

@@ -44,7 +44,7 @@ BoardViews read_views(const Options& options) {
 }
 
 Outcome calibrate(const Options& options) {
-  require_camera_name(options.output);
+  require_camera_name(options.output, options.model);
   require_writable(options.output, "camera");
   const auto page = page_for(options.report, options.output);
   BoardViews views = read_views(options);

@@ -128,6 +128,8 @@ Outcome certify_by_bar(const Options& options) {
   accept_stale(cell.stale, options.request.servo.accepted.stale);
   const ScaleBar bar = read_scale_bar(options.bar, options.bar_sigma_mm * kMillimetre);
   const std::filesystem::path page = options.request.servo.folder.path / "scale_bar.html";
+  if (std::filesystem::exists(page))
+    throw InputError({"exists already", "name another folder", page, Cause::kExists});
   make_folder(options.request.servo.folder.path);
   require_writable(page, "page");
   const ScaleBarResult result = options.images.empty() ? bar_by_camera(cell, bar)

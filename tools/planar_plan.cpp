@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -24,6 +26,9 @@ Outcome propose(const Options& options) {
   if (!options.after.empty()) require_not_input(options.output, options.after);
   require_writable(options.output, "plan");
   const CellSettings cell = read_cell(options.cell);
+  if (options.plan.readings > 0 && !cell.tracker.kind->measures())
+    spdlog::warn("{}: names no tracker, without which planar-record refuses this plan; name it",
+                 options.cell.string());
   std::vector<PairRow> pairs;
   if (!options.after.empty()) {
     accept_stale(

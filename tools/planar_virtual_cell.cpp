@@ -164,6 +164,9 @@ WorkpieceTruth plate_with(const std::vector<Fiducial>& marks) {
 Outcome put(const Options& options) {
   const CellSettings cell = read_cell(options.cell);
   if (!cell.truth) throw InputError({"is no virtual cell", "name one", options.cell});
+  if (!options.slide.empty() && options.slide[0] < 0.0)
+    throw InputError(
+        {fmt::format("is {:g}", options.slide[0]), "0 s or later is needed", "AT_S of --slide"});
   const std::vector<Fiducial> marks = read_work_drawing(options.drawing);
   Truth truth = read_truth(*cell.truth);
   WorkpieceTruth work = plate_with(marks);

@@ -100,13 +100,10 @@ TEST_CASE("A board whose dark rim has its middle in a dot is found") {
   CHECK(find_board(image, kSmallBoard).found());
 }
 
-TEST_CASE("An asymmetric grid is found in OpenCV's order, however it is turned") {
-  const Board board = parse_board("acircles:4x7:20mm");
-  REQUIRE(board_points(board)[5] == Eigen::Vector2d(0.06, 0.02));
-  for (const double turn : {0.0, 1.0, 3.0, 4.5}) {
+/// A picture of an asymmetric grid, and where its dots are.
+struct DrawnRows {
+  DrawnRows(const Board& board, double turn) {
     const Pose X_CG = test::board_before_camera(board, 0.45, 0.3, 1.0, turn);
-    cv::Mat image(480, 640, CV_8UC1, cv::Scalar(210));
-    std::vector<Eigen::Vector2d> centers;
     for (const Eigen::Vector2d& p : board_points(board)) {
       centers.push_back(
           project(test::small_camera(), X_CG * Eigen::Vector3d(p.x(), p.y(), 0.0)).value());
@@ -114,12 +111,32 @@ TEST_CASE("An asymmetric grid is found in OpenCV's order, however it is turned")
                  cv::Point(cvRound(16.0 * centers.back().x()), cvRound(16.0 * centers.back().y())),
                  16 * 9, 40, cv::FILLED, cv::LINE_AA, 4);
     }
+  }
+
+  cv::Mat image{480, 640, CV_8UC1, cv::Scalar(210)};
+  std::vector<Eigen::Vector2d> centers;
+};
+
+TEST_CASE("An asymmetric grid is found in OpenCV's order, however it is turned") {
+  const Board board = parse_board("acircles:4x7:20mm");
+  REQUIRE(board_points(board)[5] == Eigen::Vector2d(0.06, 0.02));
+  for (const double turn : {0.0, 1.0, 3.0, 4.5}) {
+    const auto [image, centers] = DrawnRows(board, turn);
     const BoardSight sight = find_board(image, board);
     INFO(sight.reason);
     REQUIRE(sight.pixels.size() == centers.size());
     for (std::size_t i = 0; i < centers.size(); ++i)
       CHECK((sight.pixels[i] - centers[i]).norm() < kDrawnCenterTolerance_px);
   }
+}
+
+TEST_CASE(
+    "A board of shifted rows whose counts are exchanged is told as such, another one is not") {
+  const cv::Mat image = DrawnRows(parse_board("acircles:4x7:20mm"), 1.0).image;
+  CHECK_THAT(find_board(image, parse_board("acircles:7x4:20mm")).reason,
+             Catch::Contains("(28 dots in the largest lattice: are the counts"));
+  CHECK_THAT(find_board(image, parse_board("acircles:7x5:20mm")).reason,
+             Catch::Contains("(28 dots in the largest lattice)"));
 }
 
 TEST_CASE("A grid is never taken mirrored and its x axis points most to the right") {

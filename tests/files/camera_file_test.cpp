@@ -218,6 +218,20 @@ TEST_CASE("A camera is written only under a name that says how") {
   CHECK_THROWS_MATCHES(require_camera_name("c.txt"), InputError, Refused(Cause::kInvalid, "c.txt"));
 }
 
+TEST_CASE("A name whose kind of file cannot hold the model is refused before it is fitted") {
+  for (const char* model : {"auto", "pinhole", "visp"})
+    CHECK_NOTHROW(require_camera_name("c.xml", model));
+  for (const char* model : {"auto", "plumb_bob_k1", "opencv_14"})
+    CHECK_NOTHROW(require_camera_name("c.yml", model));
+  for (const auto& [name, model] : {std::pair("c.xml", "plumb_bob_k1"),
+                                    {"c.xml", "opencv_14"},
+                                    {"c.yml", "equidistant"},
+                                    {"c.yml", "visp"},
+                                    {"c", "visp"}})
+    CHECK_THROWS_MATCHES(require_camera_name(name, model), InputError,
+                         Refused(Cause::kInvalid, std::string(name) + ":"));
+}
+
 TEST_CASE("A file of OpenCV's that lacks a part or has another lens is refused by name") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {

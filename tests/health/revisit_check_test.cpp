@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "planar_servo/base/core/pose.h"
 #include "sample_arm.h"
 
 namespace planar {
@@ -96,6 +97,29 @@ TEST_CASE("One place alone that is off is a stray, and a change that moves all o
   CHECK(strays >= 198);
   CHECK(of_sound <= 1);
   CHECK(of_moved == 0);
+}
+
+TEST_CASE("The place that a drift has displaced farthest is no stray") {
+  constexpr double kStep_m = 8e-6;  // from place to place
+  int strays = 0, found = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    std::vector<Revisit> revisits;
+    SoundCell cell(seed);
+    for (const Eigen::Vector3d& motors : kPlaces)
+      revisits.push_back(
+          {motors, cell.see(motors, kLookNoise_m), {}, std::sqrt(2.0) * kLookNoise_m});
+    for (std::size_t i = 0; i < revisits.size(); ++i) {  // the last two twice
+      constexpr double kSteps[] = {4.0, 5.0, 8.0, 9.0}, kBetweenTwo = 1.5;
+      cell.off.segment<2>(kShiftOff) = kSteps[i] * kStep_m * rotation2d(seed).col(0);
+      revisits[i].now_B = cell.see(revisits[i].motors, kLookNoise_m);
+      revisits[i].scatter_m = kBetweenTwo * kStep_m;  // as which the drift shows at first
+    }
+    strays += stray_place(test::filed_cell(), revisits) ? 1 : 0;
+    const auto changes = find_changes(test::filed_cell(), revisits);
+    found += !changes.empty() && changes[0].what == HealthCause::kCameraShifted ? 1 : 0;
+  }
+  CHECK(strays <= 2);
+  CHECK(found > 150);
 }
 
 /// Visits the places of a cell whose stops scatter by this, before and after a change.

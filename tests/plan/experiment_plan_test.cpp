@@ -97,7 +97,7 @@ TEST_CASE("The paper's circles are those of the paper's workspace, and shrink wi
   for (const TargetRow& target : control_targets(small)) CHECK(!small.violation(target.p_d));
 }
 
-TEST_CASE("A plan beyond reach is refused whole, every bad row by its id") {
+TEST_CASE("A plan beyond reach is refused whole, every bad row by its id and with a remedy") {
   const CellSettings cell = read_cell(test::paper_cell_file());
   const std::vector<PlanRow> plan{{"far", Purpose::kTrain, TipPose{{0.7, 0.0}, 0.0}},
                                   {"fine", Purpose::kTrain, TipPose{{0.3, 0.0}, 0.0}},
@@ -108,6 +108,7 @@ TEST_CASE("A plan beyond reach is refused whole, every bad row by its id") {
   } catch (const InputError& error) {
     for (const Refusal& refusal : error.refusals()) {
       CHECK(refusal.cause == Cause::kUnreachable);
+      CHECK_FALSE(refusal.remedy.empty());
       refused.push_back(refusal.where);
     }
   }

@@ -77,6 +77,8 @@ expect 2 "1 readings are too few to find an arm; 12 are needed" \
   "$bin/planar-calibrate-arm" --cell cell/cell.yaml -o made samples.csv
 expect 2 "11 tracker readings are too few" \
   "$bin/planar-plan" --cell cell/cell.yaml --readings 11 -o made
+sed 's/^tracker: {/tracker: {source: none, /' cell/cell.yaml >cell/untracked.yaml
+expect 0 "untracked.yaml: names no tracker" "$bin/planar-plan" --cell cell/untracked.yaml --readings 40 -o untracked.csv
 expect 2 "pair 'p1' lacks its lamps" \
   "$bin/planar-plan" --cell cell/cell.yaml --readings 5 --after no_joints.csv -o made
 printf 'id,plan,x_mm,y_mm\nfar,train,900,0\nnear,train,10,0\n' >far.csv
@@ -177,6 +179,8 @@ printf 't%d,"200 mm",100\n' 1 2 3 4 5 6 >>no_numbers.csv
 expect 2 "^... and 3 more" "$bin/planar-servo" --cell cell/cell.yaml --targets no_numbers.csv --out made
 
 expect 2 "is 'nan'; a number from -100000 to 100000" "$bin/planar-virtual-cell" put --cell cell/cell.yaml --drawing work.csv --at nan,0,0
+expect 2 "AT_S of --slide: is -5; 0 s or later is needed" \
+  "$bin/planar-virtual-cell" put --cell cell/cell.yaml --drawing work.csv --at 200,150,0 --slide=-5,1,0,0
 # An output that is an input stays as it was.
 printf '%s\na,1,2,1,2\nb,3,4,3,4\nc,5,1,5,1\n' "$pairs_header" >same.csv
 cp same.csv before.csv

@@ -17,6 +17,7 @@ for at in 100,150,0 -400,150,0 -150,-150,0 -150,-250,5 -420,-100,70 420,-150,85 
 done
 "${certify[@]}" --image place*.png --out lengths --json lengths.json >said.txt || fail "$(cat said.txt)"
 grep -q "Over 8 places" lengths/scale_bar.html || fail "the page does not say how many places"
+expect 2 "lengths/scale_bar.html: exists already" "${certify[@]}" --image place1.png --out lengths
 python3 -c '
 import json
 told = json.load(open("lengths.json"))

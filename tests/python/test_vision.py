@@ -90,6 +90,15 @@ class Cameras(unittest.TestCase):
             ps.Camera("fish", 1, 1, 0, 0)
         with self.assertRaises(ps.InputError):
             ps.Camera("pinhole", math.nan, 1, 0, 0)
+        self.assertTrue(np.isnan(self.camera.unproject([1e200, 0])).all())
+
+    def test_masks_are_not_lost(self):
+        masked = np.ma.masked_array(self.p_C, False)
+        np.testing.assert_array_equal(self.camera.project(masked), self.camera.project(self.p_C))
+        masked[1, 2] = np.ma.masked
+        self.assertIn("filled", refused(self, "p_C", self.camera.project, masked).remedy)
+        image = np.ma.masked_equal(draw_lamps(), 12)
+        refused(self, "image", ps.LampTracker().locate, image)
 
     def test_files_hold_what_was_written(self):
         with tempfile.TemporaryDirectory() as folder:

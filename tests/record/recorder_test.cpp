@@ -380,6 +380,25 @@ std::vector<std::string> ids_in_tables(const RecordRequest& request) {
   return ids;
 }
 
+TEST_CASE("A place whose program was killed between its reading and its frames has one reading") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices killed;
+  record(request, killed);
+  const std::string id = GENERATE(as<std::string>(), "t0", "t1");
+  const auto cut = [&](const char* table, bool behind) {
+    const std::filesystem::path file = request.recording / table;
+    const std::string text = read_file(file);
+    const std::size_t row = text.find("\n" + id + ",") + 1;
+    write_file(file, text.substr(0, behind ? text.find('\n', row) + 1 : row));
+  };
+  cut("frames.csv", false);
+  cut("tracker.csv", true);
+  NotingDevices again;
+  record(request, again);
+  CHECK(ids_in_tables(request) == Ids{"t0", "t1", "t0", "t1"});
+}
+
 TEST_CASE("Frames come later than those of a clock that has begun anew since") {
   const test::TemporaryFolder folder;
   RecordRequest request = two_places(folder);

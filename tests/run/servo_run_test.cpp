@@ -387,6 +387,24 @@ TEST_CASE("A run is resumed with the settings of its servo, and with no others")
                        Refused(Cause::kForeign, "servo settings"));
 }
 
+TEST_CASE(
+    "A run is resumed with the cell's tools, however many, as they were, and with no others") {
+  const test::TemporaryFolder folder;
+  ServoRequest request = ideal_request(folder);
+  CellSettings cell = request.cell->settings;
+  for (int i = 0; i < 20; ++i) {
+    const std::string name = "tool" + std::to_string(i);
+    cell.tools[name] = folder.write(name + ".yaml", "p_TE_mm: [1, 2]\n");
+  }
+  request.cell = without_map(cell);
+  request.folder.resume = true;
+  std::filesystem::create_directories(request.folder.path);
+  write_file(results_file(request), results_header(run_remarks(request)));
+  CHECK_NOTHROW(results_so_far(request));
+  folder.write("tool9.yaml", "p_TE_mm: [1, 3]\n");
+  CHECK_THROWS_MATCHES(results_so_far(request), InputError, Refused(Cause::kForeign, "tool9.yaml"));
+}
+
 TEST_CASE("A result is that of a target with its place and its direction, whole turns aside") {
   BegunRun begun;
   const std::vector<TargetResult> results = results_so_far(begun.request);

@@ -68,6 +68,24 @@ TEST_CASE("A file that is written anew is read from its beginning") {
   CHECK_THAT(stream.loss(), Contains("cannot be opened: No such file"));
 }
 
+TEST_CASE("A file that is written anew with the lines that were read goes on behind them") {
+  const test::TemporaryFolder folder;
+  std::string text = "Time;X;Y;Z\n1;1;2;3\n2;1;2;3\n";
+  const auto file = folder.write("stream.txt", text);
+  ReadingStream stream("stream.txt", kNamed);
+  const FileFeed feed(file, stream);
+  stream.forget();
+  for (int i = 3; i < 6; ++i) {
+    text += std::to_string(i) + ";1;2;3\n";
+    folder.write("other.txt", text);
+    std::filesystem::rename(folder / "other.txt", file);
+    const auto event = stream.next(kPatience_s);
+    REQUIRE((event && event->reading));
+    CHECK(event->reading->t_s == i);
+    CHECK_FALSE(stream.next(0.0));
+  }
+}
+
 TEST_CASE("A pipe in place of the file is not waited for, and is said not to be readable") {
   const test::TemporaryFolder folder;
   const auto pipe = folder / "pipe";

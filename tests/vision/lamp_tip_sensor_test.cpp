@@ -115,6 +115,20 @@ TEST_CASE("What the camera has moved since its calibration does not move the too
   CHECK(after.uncertainty_m < 3e-5);
 }
 
+TEST_CASE("A tool's lamp that is seen where a fixed lamp was before the camera moved is found") {
+  TwoLamps camera;
+  VisionCalibration vision = vision_with_fixed_lamps(camera);
+  camera.fixed_px.emplace_back(430.0, 240.0);
+  vision.reference_lamps.push_back({"R5", camera.fixed_px.back(), 0.005});
+  LampTipSensor sensor(vision, CenterMethod::kAuto, camera, kFollowRegion_px);
+  for (; camera.moved_px.x() <= 60.0; camera.moved_px.x() += 10.0) {  // lamp 2 was at (370, 240)
+    CAPTURE(camera.moved_px.x());
+    const TipMeasurement seen = sensor.measure(camera.tip, 1);
+    CHECK(seen.ok());
+    camera.t_s += kReferencePeriod_s;
+  }
+}
+
 TEST_CASE("While a region follows the tool, a whole frame is looked at once a period") {
   TwoLamps camera;
   LampTipSensor sensor(vision_with_fixed_lamps(camera), CenterMethod::kAuto, camera,

@@ -109,8 +109,11 @@ BoardSight find_dot_grid(const cv::Mat& image, const Board& board, BoardPart par
     return BoardSight{{}, {}, {}, reason, rough.most_found};
   };
   if (rough.dots.empty() || (rough.dots.size() < all && rough.most_found > all))
-    return refused(
-        fmt::format("no {} found ({} dots in the largest lattice)", wanted, rough.most_found));
+    return refused(fmt::format("no {} found ({} dots in the largest lattice{})", wanted,
+                               rough.most_found,
+                               has_diagonal_steps(board) && rough.most_found == all
+                                   ? ": are the counts of columns and rows exchanged?"
+                                   : ""));
   if (rough.dots.size() < least)
     return refused(fmt::format("no whole {}: {} dots seen, the others are covered or blurred",
                                wanted, rough.dots.size()));

@@ -285,14 +285,18 @@ CameraRecord read_camera_yaml(const std::filesystem::path& path, bool is_opencv)
   return record;
 }
 
-/// Returns the text of cv::FileStorage for a pinhole, plumb_bob, rational_polynomial or opencv_14
-/// camera. Throws InputError for other models.
+/// Throws InputError unless a file of this name's kind can hold the lens model.
+void require_holding(const std::filesystem::path& path, const CameraModel& camera) {
+  const bool is_visp = camera.as<VispModel>(), is_yml = path.extension() == ".yml";
+  if (path.extension() == ".xml" ? is_visp || camera.as<Pinhole>()
+                                 : !is_visp && !(is_yml && camera.as<KannalaBrandt>()))
+    return;
+  throw InputError({"this kind of file has no model " + lens_model_name(camera),
+                    "name it .xml (ViSP's) for pinhole and visp, .yaml for others", path});
+}
+
+/// Returns the text of cv::FileStorage.
 std::string opencv_text(const CameraRecord& record) {
-  const std::string model = lens_model_name(record.camera);
-  if (model != "pinhole" && model != "plumb_bob" && model != "rational_polynomial" &&
-      model != "opencv_14")
-    throw InputError(
-        {"OpenCV's file has no model " + model, "write it to a file named .yaml or .xml"});
   const Intrinsics k = intrinsics(record.camera);
   cv::FileStorage file(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   file << "image_width" << record.width_px << "image_height" << record.height_px;
@@ -349,14 +353,9 @@ CameraRecord read_camera_xml(const std::filesystem::path& path) {
   throw InputError({"is not a ViSP camera file with a perspective camera", "", path});
 }
 
-/// Returns the text of a file in the form of ViSP's vpXmlParserCamera. Throws InputError for a
-/// model other than pinhole and visp.
+/// Returns the text of a file in the form of ViSP's vpXmlParserCamera.
 std::string camera_xml(const CameraRecord& record, const std::string& camera_name) {
   const auto* const distorted = record.camera.as<VispModel>();
-  if (!distorted && !record.camera.as<Pinhole>())
-    throw InputError({"a ViSP camera file holds the models pinhole and visp, not " +
-                          lens_model_name(record.camera),
-                      "write a .yaml file"});
   const Intrinsics k = intrinsics(record.camera);
   std::string model = fmt::format(
       "      <type>{}</type>\n      <px>{}</px>\n      <py>{}</py>\n      <u0>{}</u0>\n"
@@ -381,23 +380,23 @@ CameraRecord read_camera(const std::filesystem::path& path) {
   return read_camera_yaml(path, text.rfind("%YAML:1.0", 0) == 0);
 }
 
-void require_camera_name(const std::filesystem::path& path) {
-  for (const char* extension : {"", ".yaml", ".xml", ".yml"})
-    if (path.extension() == extension) return;
-  throw InputError({"a camera file is named .yaml, .xml (for ViSP) or .yml (for OpenCV)",
-                    "its name says how it is written", path});
+void require_camera_name(const std::filesystem::path& path, const std::string& model) {
+  const auto names = {"", ".yaml", ".xml", ".yml"};
+  if (std::find(names.begin(), names.end(), path.extension()) == names.end())
+    throw InputError({"a camera file is named .yaml, .xml (for ViSP) or .yml (for OpenCV)",
+                      "its name says how it is written", path});
+  for (const CalibrationModel& known : calibration_models())
+    if (known.name == model) require_holding(path, known.sample);
 }
 
 void write_camera(const std::filesystem::path& path, const CameraCalibration& calibration,
                   const std::string& program, const std::vector<std::filesystem::path>& inputs) {
   const std::string name = path.stem().string();
   const CameraRecord record{calibration.camera, calibration.width_px, calibration.height_px};
+  require_camera_name(path);
+  require_holding(path, calibration.camera);
   if (path.extension() == ".xml") return write_file(path, camera_xml(record, name));
   if (path.extension() == ".yml") return write_file(path, opencv_text(record));
-  require_camera_name(path);
-  if (calibration.camera.as<VispModel>())
-    throw InputError(
-        {"a camera_info file has no model visp", "write it to a file named .xml", path});
   write_file(path, camera_yaml(calibration, name, program, inputs));
 }
 

@@ -23,8 +23,9 @@ struct CameraRecord {
 CameraRecord read_camera(const std::filesystem::path& path);
 
 /// Throws InputError for a file name whose extension is none of .yaml, .xml and .yml, by which
-/// write_camera() chooses the file's kind. A name without any is a .yaml file's.
-void require_camera_name(const std::filesystem::path& path);
+/// write_camera() chooses the file's kind, and where that kind cannot hold a camera of `model`, one
+/// of calibration_model_names(). A name without any extension is a .yaml file's.
+void require_camera_name(const std::filesystem::path& path, const std::string& model = "");
 
 /// Writes the calibration of the images `inputs` as a ROS camera_info file with the further keys
 /// calibrated_model, standard_deviations, rms_px, held_out_rms_px, images, rejected_images and

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr char kRoleRemark[] = "# role: ", kRemark[] = "# made from: ";
 constexpr char kRowsRemark[] = "# rows: ";
 constexpr char kProgram[] = "program: ", kCreated[] = "created: ", kEdited[] = "edited_by_hand: ";
-constexpr int kHeaderLines = 32;  // within which our writers begin the list of inputs
+constexpr int kHeaderLines = 32;  // within which the list of inputs begins; comments go on
 constexpr std::size_t kShownDigits = 8;
 
 void add_origin(std::vector<Origin>& origins, const std::string& role, std::string name,
@@ -173,7 +173,7 @@ std::vector<Origin> read_origins(const fs::path& path) {
   std::ifstream in = open_file(path);
   std::vector<Origin> remarks;
   std::string line, list, role;
-  for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i) {
+  for (int i = 0; (i < kHeaderLines || line[0] == '#') && std::getline(in, line); ++i) {
     const std::string remark(remark_of(line));
     if (remark.rfind(kRoleRemark, 0) == 0) role = remark.substr(std::size(kRoleRemark) - 1);
     if (remark.rfind(kRemark, 0) == 0 && !add_remark(remarks, role, remark))
@@ -229,7 +229,7 @@ std::vector<std::string> csv_remarks(const std::vector<Origin>& origins) {
 std::string remark_in(const fs::path& table, const std::string& key) {
   std::ifstream in = open_file(table);
   std::string line;
-  for (int i = 0; i < kHeaderLines && std::getline(in, line); ++i)
+  for (int i = 0; (i < kHeaderLines || line[0] == '#') && std::getline(in, line); ++i)
     if (line.rfind(key, 0) == 0) return line.substr(key.size());
   return "";
 }

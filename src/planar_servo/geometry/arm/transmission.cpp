@@ -115,6 +115,13 @@ std::optional<Joints> Transmission::branch_within_limits(const Joints& theta, co
   return joints_from_motors(motors);
 }
 
+double Transmission::longest_move_s(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+  double longest_s = 0.0;
+  for (int i = 0; i < 3; ++i)
+    longest_s = std::max(longest_s, MotorMove(from[i], to[i], settings_.drives[i]).duration_s());
+  return longest_s;
+}
+
 StraightPace straight_pace(const Eigen::Vector3d& way, const Eigen::Vector3d& speeds,
                            const Eigen::Vector3d& accelerations) {
   StraightPace pace{HUGE_VAL, HUGE_VAL};

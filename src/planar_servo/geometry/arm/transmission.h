@@ -77,6 +77,10 @@ class Transmission {
   std::optional<Joints> branch_within_limits(const Joints& theta, const Joints& near,
                                              const Room& room) const;
 
+  /// Returns how long the slowest motor takes between these motor angles, each in a MotorMove, s.
+  /// Throws std::invalid_argument for angles that are not finite.
+  double longest_move_s(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+
   /// Returns C of the equations.
   const Eigen::Matrix3d& coupling_matrix() const { return C_; }
   /// Returns K of the equations, signed, in pulses per radian of motor angle.

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace planar::lens {
 namespace {
@@ -125,7 +126,7 @@ std::optional<Mapped> RadialMap::distort(const Eigen::Vector2d& xy) const {
 }
 
 std::optional<Mapped> RadialMap::undistort(const Eigen::Vector2d& xy_d) const {
-  if (!xy_d.allFinite()) return std::nullopt;
+  if (!std::isfinite(xy_d.norm())) return std::nullopt;  // nor where its square is too large
   const double tolerance = kInverseTolerance * std::max(1.0, xy_d.norm());
   Eigen::Vector2d xy{0.0, 0.0};
   std::optional<Mapped> at = distort(xy);

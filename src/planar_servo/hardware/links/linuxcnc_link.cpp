@@ -513,7 +513,7 @@ void LinuxcncLink::hold(bool moving) {
 }
 
 void LinuxcncLink::stop() {
-  say(stopper_.descriptor(), stop_words(host_));
+  if (!say(stopper_.descriptor(), stop_words(host_))) mover_.send(stop_words(host_));
   std::this_thread::sleep_for(kApart);
   told_to_stop_ = Clock::now();
   stop_heard_ = false;

@@ -289,7 +289,11 @@ std::optional<std::string> PlanarRobot::move_to(const Joints& theta, const Guard
 }
 
 void PlanarRobot::travel(const Pulses& target, const std::function<bool()>& must_rest) {
-  const double timeout_s = kTimeoutFactor * longest_move_s(target) + kTimeoutMargin_s;
+  const auto motors = [&](const Pulses& pulses) -> Eigen::Vector3d {
+    return pulses.cast<double>().cwiseQuotient(transmission_.pulses_per_rad());
+  };
+  const double longest_s = transmission_.longest_move_s(motors(commanded_pulses()), motors(target));
+  const double timeout_s = kTimeoutFactor * longest_s + kTimeoutMargin_s;
   or_halt([&] {
     drives_.set_targets({target[0], target[1], target[2]});
     for (std::size_t i = 0; i < 3; ++i) commanded_pulses_[i] = target[i];
@@ -446,17 +450,6 @@ const MotorDrive& PlanarRobot::motor_drive(int joint) const {
 std::int32_t PlanarRobot::home_pulses(int joint) const {
   return static_cast<std::int32_t>(
       std::lround(transmission_.pulses_per_rad()[joint] * motor_drive(joint).home_rad));
-}
-
-double PlanarRobot::longest_move_s(const Pulses& target) const {
-  const Pulses from = commanded_pulses();
-  double longest_s = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const double pulses_per_rad = transmission_.pulses_per_rad()[i];
-    const MotorMove move(from[i] / pulses_per_rad, target[i] / pulses_per_rad, motor_drive(i));
-    longest_s = std::max(longest_s, move.duration_s());
-  }
-  return longest_s;
 }
 
 void PlanarRobot::read_positions(const Status& status) {

@@ -185,7 +185,6 @@ class PlanarRobot {
   void turn(const Status& status, const Joints& theta_dot);
   const MotorDrive& motor_drive(int joint) const;
   std::int32_t home_pulses(int joint) const;
-  double longest_move_s(const Pulses& target) const;
   void read_positions(const Status& status);
 
   PlanarArm arm_;

@@ -400,12 +400,18 @@ std::vector<std::size_t> farthest_off_first(const std::vector<Revisit>& revisits
 
 std::optional<std::size_t> stray_place(const CellModel& model,
                                        const std::vector<Revisit>& revisits) {
-  constexpr std::size_t kFewestPlaces = 4;
+  constexpr std::size_t kFewestPlaces = 4, kStrayNumbers = 2;  // by which a stop misses
   if (revisits.size() < kFewestPlaces || !has_changed(model, revisits)) return std::nullopt;
   const std::size_t stray = farthest_off_first(revisits).front();
   std::vector<Revisit> others = revisits;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(stray));
   if (has_changed(model, others)) return std::nullopt;
+  // A drift displaces all places, and that which is visited last farthest.
+  const Whitened all(model, revisits);
+  const double left = Whitened(model, others).d.squaredNorm();
+  for (const Suspect& suspect : suspects())
+    if (suspect.numbers.size() <= kStrayNumbers && fit_change(suspect, all.J, all.d).chi2 < left)
+      return std::nullopt;
   return stray;
 }
 

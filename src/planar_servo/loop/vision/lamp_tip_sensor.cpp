@@ -74,8 +74,10 @@ TipMeasurement LampTipSensor::measure(const TipPose& expected, int frames) {
 }
 
 TipMeasurement LampTipSensor::look_at_tool(const TipPose& expected, int frames) {
-  const auto expectation = expect_tool(vision_, expected);
+  auto expectation = expect_tool(vision_, expected);
   if (!expectation) return failed_look(TipStatus::kOutsideView, kOutsideView, 0.0);
+  for (Eigen::Vector2d& uv_px : *expectation->predicted_px) uv_px = watch_.motion().now(uv_px);
+  for (Eigen::Vector2d& uv_px : expectation->fixed_px) uv_px = watch_.motion().now(uv_px);
   aim_at(*expectation->predicted_px);
   std::vector<Observation> observations;
   for (int i = 0; i < frames; ++i) {

@@ -24,6 +24,7 @@
 namespace planar {
 namespace {
 
+constexpr std::size_t kRemembered = 256;  // characters, by whose digits a file is known
 constexpr int kConnectPatience_ms = 2000;
 constexpr int kReceivePoll_ms = 50;
 constexpr std::chrono::milliseconds kReconnectPause{200};
@@ -69,7 +70,6 @@ FileFeed::~FileFeed() {
 
 bool FileFeed::open() {
   file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would be waited for
-  offset_ = 0;
   return file_ >= 0;
 }
 
@@ -78,31 +78,47 @@ void FileFeed::close() {
   file_ = -1;
 }
 
-bool FileFeed::is_same() const {
+bool FileFeed::has_its_name() const {
   struct stat here {
   }, there{};
   if (file_ < 0 || fstat(file_, &here) != 0 || stat(path_.c_str(), &there) != 0) return false;
-  return here.st_ino == there.st_ino && here.st_dev == there.st_dev && here.st_size >= offset_;
+  return here.st_ino == there.st_ino && here.st_dev == there.st_dev;
+}
+
+bool FileFeed::holds_what_was_read() const {
+  if (last_.empty()) return true;
+  std::string there(last_.size(), '\0');
+  const auto size = static_cast<ssize_t>(there.size());
+  return pread(file_, there.data(), there.size(), offset_ - size) == size && there == last_;
 }
 
 void FileFeed::read_rest() {
   std::array<char, 65536> block{};
   for (;;) {
     const ssize_t n = pread(file_, block.data(), block.size(), offset_);
-    if (n < 0) stream_.lose(fmt::format("the file cannot be read: {}", std::strerror(errno)));
-    if (n <= 0) return;
+    if (n <= 0)
+      return stream_.lose(n < 0 ? fmt::format("the file cannot be read: {}", std::strerror(errno))
+                                : "");
     offset_ += n;
+    last_.append(block.data(), static_cast<std::size_t>(n));
+    last_.erase(0, last_.size() - std::min(last_.size(), kRemembered));
     stream_.take({block.data(), static_cast<std::size_t>(n)});
   }
 }
 
 void FileFeed::follow() {
-  if (!is_same()) {
+  if (!has_its_name()) {
     close();
     if (!open())
       return stream_.lose(fmt::format("the file cannot be opened: {}", std::strerror(errno)));
+  }
+  if (!holds_what_was_read()) {
+    if (!std::exchange(seems_new_, true)) return;
+    offset_ = 0;
+    last_.clear();
     stream_.begin_anew();
   }
+  seems_new_ = false;
   read_rest();
 }
 

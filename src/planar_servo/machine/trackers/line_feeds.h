@@ -13,8 +13,8 @@
 
 namespace planar {
 
-/// Follows a file to which another program appends lines. A file that became shorter, or another
-/// file of that name, is read from its beginning.
+/// Follows a file to which another program appends lines. One that was written anew is continued
+/// where it still holds what was read, and else read from its beginning.
 class FileFeed final : public StreamFeed {
  public:
   /// Reads what the file holds already, then follows it. Throws WorkError when it cannot be read.
@@ -24,8 +24,8 @@ class FileFeed final : public StreamFeed {
  private:
   bool open();
   void close();
-  /// Returns false when the file is another one now.
-  bool is_same() const;
+  bool has_its_name() const;
+  bool holds_what_was_read() const;
   void read_rest();
   void follow();
 
@@ -33,6 +33,8 @@ class FileFeed final : public StreamFeed {
   ReadingStream& stream_;
   int file_{-1};
   std::int64_t offset_{0};
+  std::string last_;       ///< the end of what was read, which stands before the offset
+  bool seems_new_{false};  ///< or is only half written again
   std::optional<Repeater> follower_;
 };
 

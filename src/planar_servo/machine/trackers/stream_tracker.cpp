@@ -31,7 +31,7 @@ constexpr char kFrozen[] =
 constexpr double kStopPeriod_s = 0.2;
 constexpr char kBackOnTool[] = "place the reflector back on the tool";
 
-/// No place of the tool is so near to a monument.
+/// A reflector's ball is 12 mm wide or more: no place of the tool is so near to a monument.
 constexpr double kStillThere = 1.0 * kMillimetre;
 
 std::string of(const StreamedReading& reading) {

@@ -199,14 +199,9 @@ std::optional<std::string> JogArm::refusal(const Joints& theta) const {
 }
 
 double JogArm::duration_s(const Joints& theta) const {
-  const Eigen::Vector3d from = planner_.transmission().motors_from_joints(commanded());
-  const Eigen::Vector3d to = planner_.transmission().motors_from_joints(theta);
-  double longest_s = 0.0;
-  for (int i = 0; i < 3; ++i)
-    longest_s = std::max(
-        longest_s, MotorMove(from[i], to[i], cell_.transmission.drives[static_cast<std::size_t>(i)])
-                       .duration_s());
-  return longest_s;
+  const Transmission& transmission = planner_.transmission();
+  return transmission.longest_move_s(transmission.motors_from_joints(commanded()),
+                                     transmission.motors_from_joints(theta));
 }
 
 }  // namespace planar

@@ -29,6 +29,13 @@ bool RecordingReadings::are_left(std::size_t row) const {
 
 void RecordingReadings::read_first_monuments() {
   if (!reads_) return;
+  if (begun_.drops_readings) {
+    std::string table = tracker_header();
+    for (const TrackerRow& reading : begun_.readings) table += tracker_line(reading);
+    write_file(request_.recording / "tracker.csv", table);
+    spdlog::warn(
+        "a reading without frames, as a kill leaves it, is dropped and its place repeated");
+  }
   if (begun_.has_monuments) {
     spdlog::info(
         "the monuments are read already: nothing may have moved since, not the tracker either; "

@@ -119,9 +119,16 @@ void require_names_of_places(const RecordRequest& request) {
   faults.throw_if_any();
 }
 
-void find_monuments(const RecordRequest& request, const std::vector<TrackerRow>& readings,
-                    BegunRecording& begun) {
+/// Takes the readings but those of places without frames: the program was killed between the two.
+void take_readings(const RecordRequest& request, const std::vector<TrackerRow>& readings,
+                   BegunRecording& begun) {
+  std::set<std::string> unread;
+  for (const PlanRow& row : request.plan)
+    if (needs_reading(row.plan) && !begun.has(row)) unread.insert(row.id);
   for (const TrackerRow& row : readings) {
+    begun.drops_readings |= unread.count(row.id) != 0;
+    if (unread.count(row.id) != 0) continue;
+    begun.readings.push_back(row);
     if (!is_monument(request.cell, row.id))
       begun.last_monuments.emplace();
     else
@@ -140,7 +147,9 @@ std::vector<Joints> joints_of_plan(const CellSettings& cell, const std::vector<P
   for (const PlanRow& row : plan) {
     const JointPlan found = plan_row(planner, row, cell.arm.home, near);
     if (found.refusal) {
-      faults.add({*found.refusal, "", fmt::format("plan row '{}'", row.id), Cause::kUnreachable});
+      faults.add({*found.refusal,
+                  "move it, leave it out, or correct `arm` and `workspace` in the cell file",
+                  fmt::format("plan row '{}'", row.id), Cause::kUnreachable});
     } else if (!shows_board(row.plan)) {
       near = found.theta;
     }
@@ -173,22 +182,20 @@ void require_tracker(const RecordRequest& request) {
 
 BegunRecording begun_recording(const RecordRequest& request, const std::vector<Joints>& joints) {
   BegunRecording begun;
-  std::vector<TrackerRow> readings;
-  if (const fs::path file = request.recording / "tracker.csv";
-      !holds_no_row(file, tracker_header()))
-    readings = read_tracker(file);
-  find_monuments(request, readings, begun);
-  if (holds_no_row(request.recording / "frames.csv", frames_header())) return begun;
-  const std::vector<FrameRow> frames = read_frames(request.recording);
-  Faults faults;
-  add_sensor(request, frames.front(), faults);
-  if (begun.last_monuments) add_monuments(request, readings, faults);
-  add_rows(request, joints, frames, faults);
-  faults.throw_if_any();
+  const bool is_new = holds_no_row(request.recording / "frames.csv", frames_header());
+  const auto frames = is_new ? std::vector<FrameRow>() : read_frames(request.recording);
   for (const FrameRow& row : frames) {
     begun.ids.insert(row.id);
     begun.last_frame_s = std::max(begun.last_frame_s.value_or(row.t_s), row.t_s);
   }
+  const fs::path table = request.recording / "tracker.csv";
+  if (!holds_no_row(table, tracker_header())) take_readings(request, read_tracker(table), begun);
+  if (is_new) return begun;
+  Faults faults;
+  add_sensor(request, frames.front(), faults);
+  if (begun.last_monuments) add_monuments(request, begun.readings, faults);
+  add_rows(request, joints, frames, faults);
+  faults.throw_if_any();
   begun.ends_with_board = shows_board(frames.back().plan);
   begun.has_monuments =
       begun.last_monuments || (!begun.first_monuments.empty() &&

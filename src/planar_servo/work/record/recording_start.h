@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/files/tables/tracker_table.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/hardware/cell/cell_settings.h"
 #include "planar_servo/work/record/recorder.h"
@@ -24,6 +25,8 @@ void require_tracker(const RecordRequest& request);
 /// The present content of a recording; nothing when it is new.
 struct BegunRecording {
   std::set<std::string> ids;
+  std::vector<TrackerRow> readings;  ///< of monuments and of places with frames
+  bool drops_readings{false};        ///< of others
   /// The first monuments are there; one that was broken off among them reads them again.
   bool has_monuments{false};
   /// Readings of the cell's monuments before the first reading of a place.

@@ -162,12 +162,9 @@ std::vector<HealthFinding> CellCheck::revisit(const HealthRecord& record) {
 }
 
 double CellCheck::expected_s(int first_moves, const std::vector<HealthPlace>& places) const {
+  const Transmission& transmission = planner_.transmission();
   const auto motors_s = [&](const Eigen::Vector3d& way) {
-    double longest_s = 0.0;
-    for (int i = 0; i < 3; ++i)
-      longest_s =
-          std::max(longest_s, MotorMove(0.0, way[i], cell_.transmission.drives[i]).duration_s());
-    return longest_s;
+    return transmission.longest_move_s(Eigen::Vector3d::Zero(), way);
   };
   const bool one_side = cell_.servo.approach == Approach::kOneSide;
   const double margin = one_side ? cell_.servo.approach_margin_rad : 0.0;
@@ -175,9 +172,9 @@ double CellCheck::expected_s(int first_moves, const std::vector<HealthPlace>& pl
                         cell_.servo.frames_per_measurement / cell_.camera.frame_rate_hz;
   double all_s = first_moves * (motors_s(CheckWays::first_moves()) + stop_s);
   const Joints here = robot_.commanded_joints();
-  Eigen::Vector3d motors = planner_.transmission().motors_from_joints(here);
+  Eigen::Vector3d motors = transmission.motors_from_joints(here);
   for (const std::size_t next : ways_.visits(here, places).order) {
-    const Eigen::Vector3d there = planner_.transmission().motors_from_joints(places[next].theta);
+    const Eigen::Vector3d there = transmission.motors_from_joints(places[next].theta);
     all_s += motors_s(there - motors) + stop_s;
     motors = there;
   }

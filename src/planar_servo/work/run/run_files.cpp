@@ -111,6 +111,8 @@ std::vector<Origin> run_origins(const ServoRequest& request) {
   for (const MadeFile& file : calibration_files(cell, uses_error_map(*request.cell)))
     origins.push_back(origin_of(file));
   if (cell.arm_found) origins.push_back(origin_of({Role::kArmFound, *cell.arm_found}));
+  for (const auto& [name, tip] : cell.tools)
+    if (fs::exists(tip)) origins.push_back(origin_of({Role::kToolTip, tip}));
   return origins;
 }
 

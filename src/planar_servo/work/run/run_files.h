@@ -32,7 +32,7 @@ class RunFolder {
 /// Returns the table to which a request's run adds its results.
 std::filesystem::path results_file(const ServoRequest& request);
 
-/// Returns the files that a run is made with.
+/// Returns the files that a run is made with, and all tools of its cell.
 std::vector<Origin> run_origins(const ServoRequest& request);
 
 /// Returns these and the servo's settings as comment lines of the table of results.

@@ -62,8 +62,9 @@ Json result_answer(const TargetResult& result) {
   for (const WrittenField& field : row.written()) {
     const bool is_text = field.kind == FieldKind::kText;
     if (field.text.empty() && !(is_text && field.need == Column::kRequired)) continue;
-    const Json number = Json::parse(field.text, nullptr, false);
-    told[field.column] = is_text ? Json(field.text) : number.is_discarded() ? Json() : number;
+    told[field.column] = is_text                    ? Json(field.text)
+                         : Json::accept(field.text) ? Json::parse(field.text)
+                                                    : Json();
   }
   return told;
 }
