@@ -15,9 +15,10 @@ const ProgramText kText{
     R"(readings met        0.0172 mm rms, 2 harmonics of each reducer
 places left out     0.0192 mm rms
 
-the arm, as found from the poses
-link 1                     299.87668 +- 0.00197   mm
-link 2                     300.17470 +- 0.00319   mm)"};
+The arm, as found from the poses
+  term                       value  by the readings
+  link 1  299.87668 +- 0.00197 mm
+  link 2  300.17470 +- 0.00319 mm)"};
 
 struct Options {
   std::filesystem::path cell, output, table;

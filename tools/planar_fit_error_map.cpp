@@ -35,12 +35,14 @@ leave-one-out       0.0097 mm rms
 noise               0.0059 mm per axis
 gain                87.4 %, worth using
 
-faults of the cell                                    rms, mm
-shift x                0.001134 +- 0.0128   mm       0.0011
+Faults of the cell
+  fault                     value  rms over the field, mm  significant
+  shift x   0.001134 +- 0.0128 mm                  0.0011
 
-rms, mm        left out: one   a block of neighbours (95 % interval)
-raw                   0.0775     0.0775  (0.0740 to 0.0812)
-auto                  0.0097     0.0148  (0.0111 to 0.0197))"};
+Methods, compared at places left out
+  method  one place, mm rms  a block of neighbours, mm rms  its 95 % interval, mm
+  raw                0.0775                         0.0775       0.0740 to 0.0812
+  auto               0.0097                         0.0148       0.0111 to 0.0197)"};
 
 struct Options {
   std::string method{"auto"}, report;

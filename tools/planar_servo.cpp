@@ -270,10 +270,11 @@ std::vector<DryRunRow> planned_moves(const Options& options, const CalibratedCel
 }
 
 Outcome print_check(const CalibratedCell& cell, const std::vector<DryRunRow>& rows) {
-  const std::size_t refused = count_refused(rows);
+  const std::vector<DryRunRow> refused = refused_of(rows);
   say("{}{} and the files it names are in order; {} of {} targets can be reached\n",
-      refusals_text(rows), cell.settings.file.string(), rows.size() - refused, rows.size());
-  return {{{"targets", rows.size()}, {"refused", refused}}, refused == 0};
+      dry_run_text(refused), cell.settings.file.string(), rows.size() - refused.size(),
+      rows.size());
+  return {{{"targets", rows.size()}, {"refused", refused.size()}}, refused.empty()};
 }
 
 /// Returns whether all lines of a stream were good and it ended as it had to.
@@ -383,7 +384,7 @@ Outcome reach_targets(const Options& options, const std::shared_ptr<CalibratedCe
     const std::vector<DryRunRow> rows = planned_moves(options, *cell, read);
     if (options.check) return print_check(*cell, rows);
     say("{}", dry_run_text(rows));
-    return {dry_run_json(rows), count_refused(rows) == 0};
+    return {dry_run_json(rows), refused_of(rows).empty()};
   }
   ServoRequest request = request_of(options, cell);
   request.policy.learns = cell->settings.servo.learns;
@@ -444,9 +445,9 @@ Outcome follow(const Options& options, const std::shared_ptr<CalibratedCell>& ce
   PathRun run(request, path, *devices);
   const bool reached = follow_path(run, path);
   write_path_run(request, path, run);
-  say("{}log and report: {}\n", path_table(path, run.results()).plain_text(),
-      request.folder.path.string());
-  return {path_list(path, run.results()).json(), reached};
+  const ReportList list = path_list(path, run.results());
+  say("{}log and report: {}\n", list.text(), request.folder.path.string());
+  return {list.json(), reached};
 }
 
 Outcome work(const Options& given) {

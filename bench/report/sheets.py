@@ -10,7 +10,7 @@ import tempfile
 
 from look import chromium
 
-# As certificate_page.cpp words them, with long reasons in place of what a run and a file say.
+# As certificate_report.cpp words them, with long reasons in place of what a run and a file say.
 EVERY_FAULT = (
     ("the run was ended at c12.P4: held: the tool is seen at (147.8, -110.1) mm, 0.812 mm from where it was commanded, "
      "more than the 0.350 mm that it was ever seen from there at its calibration; a motor has lost steps, the camera has "

@@ -4,6 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "planar_servo/base/io/columns.h"
+
 namespace planar {
 namespace {
 
@@ -47,27 +49,57 @@ TEST_CASE("The rows of a list are lines, an array and a table") {
   list.rows("numbers", std::vector<double>{1.0, 4.0}, list_number, "  ");
   CHECK(list.text() == "  number 1\n  number 4: 2\n");
   CHECK(list.json().dump() == R"({"numbers":[{"number":1.0},{"half":2.0,"number":4.0}]})");
-  CHECK_THAT(list.table("Numbers", "numbers").html(),
+  list.show("numbers", "Numbers");
+  CHECK_THAT(list.table_html("numbers"),
              Contains("<th scope=\"col\">what</th><th scope=\"col\">half</th>") &&
                  Contains("<th scope=\"row\">number 1</th><td>–</td>") &&
                  Contains("<th scope=\"row\">number 4</th><td>2</td>"));
 }
 
-TEST_CASE("Rows stand in columns when printed, and without their padding in a table") {
-  ReportList list, row;
+TEST_CASE("A table is shown on a page and, where that is asked for, in print") {
+  ReportList list;
   list.line("method", "rbf");
-  list.row_heads("\nterm      value");
-  row.line("term", "{name:<8}", "link 1");
-  row.line("value", "{value:>8.2f} +- {sigma:<6.2f} mm", 149.6, 0.5);
-  list.row("terms", row);
+  ReportList& row = list.row("terms");
+  row.line("term", "{name}", "link 1");
+  row.line("value", "{value:.2f} +- {sigma:.2f} mm", 149.6, 0.5);
+  list.row("terms", {{"", "and no more"}});
+  list.show("terms", "Terms", ReportList::Shown::kAlsoInPrint);
+  list.row("more", {{"what", "on the page alone"}});
+  list.show("more", "More");
+  list.show("none", "Without rows", ReportList::Shown::kAlsoInPrint);
   CHECK(list.text() ==
-        "method              rbf\n\nterm      value\nlink 1    149.60 +- 0.50   mm\n");
-  CHECK(list.has_rows("terms"));
-  CHECK_FALSE(list.has_rows("others"));
+        "method              rbf\n"
+        "\n"
+        "Terms\n"
+        "  term                     value\n"
+        "  link 1       149.60 +- 0.50 mm\n"
+        "  and no more\n");
   CHECK(list.json().empty());
-  CHECK_THAT(list.table("Terms", "terms").html(),
-             Contains("<th scope=\"row\">link 1</th><td>149.60 +- 0.50 mm</td>"));
-  CHECK_THAT(list.table("Found").html(), !Contains("link 1") && !Contains("term"));
+  CHECK_THAT(list.html("Found"),
+             Contains("<caption>Found</caption>") &&
+                 Contains("<th scope=\"row\">link 1</th><td>149.60 +- 0.50 mm</td>") &&
+                 Contains("<th scope=\"row\">and no more</th><td></td>") &&
+                 Contains("on the page alone") && !Contains("Without rows"));
+  CHECK_THAT(list.facts("Found").html(), !Contains("link 1") && !Contains("term"));
+  CHECK(list.table_html("none").empty());
+  CHECK_THROWS_AS(list.table("others"), std::logic_error);
+}
+
+TEST_CASE("A table's columns of CSV have their names there, with the digits that people read") {
+  Columns csv;
+  std::string id = "a";
+  double x = 0.26;
+  std::optional<double> unknown;
+  csv.text("target", id);
+  csv.number("x_mm", x, 1e-3, 6);
+  csv.optional_number("after_truth_mm", unknown, 1e-3, 6);
+  ReportList list;
+  list.row("targets", csv, {{"target"}, {"after_truth_mm", 4}, {"x_mm", 1}});
+  list.show("targets", "Targets");
+  CHECK_THAT(list.table_html("targets"),
+             Contains("<th scope=\"col\">after truth mm</th><th scope=\"col\">x mm</th>") &&
+                 Contains("<th scope=\"row\">a</th><td>–</td><td>260.0</td>"));
+  CHECK_THROWS_AS(list.row("targets", csv, {{"y_mm", 1}}), std::logic_error);
 }
 
 TEST_CASE("Parts have a key of their own, and a suffix says who judged") {
@@ -78,7 +110,7 @@ TEST_CASE("Parts have a key of their own, and a suffix says who judged") {
   list.append(judged);
   CHECK(list.text() == "mean                1.0 mm\n");
   CHECK(list.json().dump() == R"({"max_mm_truth":2.0,"workspace_truth":{"mean_mm":1.0}})");
-  CHECK_THAT(list.table("Found").html(),
+  CHECK_THAT(list.facts("Found").html(),
              Contains("<tr><th scope=\"row\">mean</th><td>1.0 mm</td></tr>"));
 }
 

@@ -195,11 +195,11 @@ TEST_CASE("The page of a run says who judged it, though the first target was not
   seen.sigma_judged_m = 3e-5;
   const std::string page = page_of({unseen, seen});
   CHECK_THAT(page, Catch::Contains("Errors against the tracker") &&
-                       Catch::Contains("<th scope=\"col\">tracker mm</th>") &&
+                       Catch::Contains("<th scope=\"col\">after tracker mm</th>") &&
                        Catch::Contains("Judged by the tracker, the arm alone") &&
                        !Catch::Contains("truth"));
-  CHECK_THAT(page_of({reached("a", 1e-3, 1e-5)}),
-             Catch::Contains("Errors against the truth") && Catch::Contains(">truth mm</th>"));
+  CHECK_THAT(page_of({reached("a", 1e-3, 1e-5)}), Catch::Contains("Errors against the truth") &&
+                                                      Catch::Contains(">after truth mm</th>"));
 }
 
 TEST_CASE("The page of a run begins with targets reached and accuracy, and says no figure twice") {

@@ -90,8 +90,7 @@ using MovesByPose = std::map<std::string, std::vector<const JudgedMove*>>;
 
 MovesByPose moves_by_pose(const std::vector<JudgedMove>& moves, CertificatePart part) {
   MovesByPose by_pose;
-  for (const JudgedMove& move : moves)
-    if (move.move.part == part && move.counts()) by_pose[move.move.pose].push_back(&move);
+  for (const JudgedMove* move : counted(moves, part)) by_pose[move->move.pose].push_back(move);
   return by_pose;
 }
 
@@ -157,10 +156,9 @@ std::optional<PoseDrift> drift_of(const MovesByPose& by_pose) {
 
 std::optional<WorkspaceFigures> workspace_figures(const std::vector<JudgedMove>& moves) {
   std::vector<double> lengths, turns;
-  for (const JudgedMove& move : moves) {
-    if (move.move.part != CertificatePart::kWorkspace || !move.counts()) continue;
-    lengths.push_back(move.error->norm());
-    if (move.turn_error) turns.push_back(*move.turn_error);
+  for (const JudgedMove* move : counted(moves, CertificatePart::kWorkspace)) {
+    lengths.push_back(move->error->norm());
+    if (move->turn_error) turns.push_back(*move->turn_error);
   }
   if (lengths.empty()) return std::nullopt;
   WorkspaceFigures figures;
@@ -296,6 +294,13 @@ const PoseFigures& CellAccuracy::worst_repeatability() const {
 
 const DirectionFigures& CellAccuracy::worst_variation() const {
   return worst(directions, [](const DirectionFigures& found) { return found.variation; });
+}
+
+std::vector<const JudgedMove*> counted(const std::vector<JudgedMove>& moves, CertificatePart part) {
+  std::vector<const JudgedMove*> found;
+  for (const JudgedMove& move : moves)
+    if (move.move.part == part && move.counts()) found.push_back(&move);
+  return found;
 }
 
 CellAccuracy cell_accuracy(const std::vector<JudgedMove>& moves) {

@@ -135,6 +135,9 @@ struct CellAccuracy {
   const DirectionFigures& worst_variation() const;
 };
 
+/// Returns the moves of a part that count.
+std::vector<const JudgedMove*> counted(const std::vector<JudgedMove>& moves, CertificatePart part);
+
 CellAccuracy cell_accuracy(const std::vector<JudgedMove>& moves);
 
 }  // namespace planar

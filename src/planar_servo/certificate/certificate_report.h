@@ -37,16 +37,6 @@ std::string interval_mm(const std::optional<Interval>& interval);
 /// Returns the worst AP and RP over the poses, each with its name; RP needs two cycles.
 std::vector<std::pair<std::string, std::string>> worst_pose_figures(const CellAccuracy& accuracy);
 
-/// Returns the program that makes certificates, with its version.
-std::string certifying_program();
-
-/// Returns the files that a cell is certified with, each with what it is: the cell file first.
-std::vector<std::pair<std::string, std::filesystem::path>> certified_files(
-    const CellSettings& cell);
-
-/// Lists a budget; its rows have the key `terms`.
-ReportList budget_list(const UncertaintyBudget& budget);
-
 /// Lists every figure. Keys of what was found end with who judged it: `poses_truth`,
 /// `poses_tracker`.
 ReportList certificate_list(const Certificate& certificate);

@@ -90,6 +90,7 @@ ReportList scale_bar_list(const ScaleBarResult& result) {
     row.line("error mm", "{error_mm:.4f}", length.error);
     row.line("stated deviation mm", "{sigma_mm:.4f}", length.sigma);
   });
+  list.show("lengths", "Length errors");
   return list;
 }
 
@@ -101,7 +102,7 @@ std::string scale_bar_page(const ScaleBarResult& result, const std::filesystem::
                   result.places(), mm(result.bar.length), mm(result.largest()))};
   if (const auto fault = result.fault()) verdict.faults.push_back(*fault);
   page.add_verdict(verdict);
-  page.add_html(scale_bar_list(result).table("Length errors", "lengths").html());
+  page.add_html(scale_bar_list(result).table_html("lengths"));
   page.add_paragraph(
       "The bar was not used for the calibration. Its lengths say how well vision measures between "
       "two places; that the arm goes where vision sees is judged by moves.");

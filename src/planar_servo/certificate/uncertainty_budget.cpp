@@ -13,6 +13,7 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/offline/plan/predicted_positioning.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
@@ -22,27 +23,12 @@ namespace fs = std::filesystem;
 /// The middles of the first and last third of a run lie this share of it apart.
 constexpr double kShareBetweenThirds = 2.0 / 3.0;
 
-std::vector<const JudgedMove*> targets_of(const std::vector<JudgedMove>& moves) {
-  std::vector<const JudgedMove*> targets;
-  for (const JudgedMove& move : moves)
-    if (move.move.part == CertificatePart::kWorkspace && move.counts()) targets.push_back(&move);
-  return targets;
-}
-
 /// Returns per axis how far beside the targets the first moves ended, by the cell's own view.
 double landing_of(const std::vector<const JudgedMove*>& targets) {
   std::vector<double> lengths;
   for (const JudgedMove* target : targets)
     if (target->landing_own) lengths.push_back(target->landing_own->norm());
   return lengths.empty() ? 0.0 : rms(lengths) / std::sqrt(2.0);
-}
-
-/// Returns the judge's standard uncertainty per axis, the rms over the targets.
-double judge_over(const std::vector<const JudgedMove*>& targets) {
-  std::vector<double> sigmas;
-  sigmas.reserve(targets.size());
-  for (const JudgedMove* target : targets) sigmas.push_back(target->judge_sigma);
-  return rms(sigmas);
 }
 
 /// A tracker's standard deviation per axis, and where it was found.
@@ -165,7 +151,7 @@ double UncertaintyBudget::expected_without(const BudgetTerm& term) const {
 UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalibration& vision,
                                      const std::vector<JudgedMove>& moves,
                                      const CellAccuracy& accuracy) {
-  const std::vector<const JudgedMove*> targets = targets_of(moves);
+  const std::vector<const JudgedMove*> targets = counted(moves, CertificatePart::kWorkspace);
   const TrackerNoise tracker = calibration_tracker(cell);
   PredictionInputs known = known_of(cell, vision);
   known.sigma_vision = median_of(moves, &JudgedMove::sigma_vision);
@@ -174,8 +160,9 @@ UncertaintyBudget uncertainty_budget(const CellSettings& cell, const VisionCalib
   known.servo.tolerance_m = median_of(moves, &JudgedMove::stop_below);
   const TermsOverTargets over = terms_over(targets, known, read_workplane(cell.workplane));
   UncertaintyBudget budget;
-  for (const auto& terms : {vision_terms(cell, over, tracker.source), content_terms(over.terms),
-                            run_terms(accuracy.drift, judge_over(targets))})
+  for (const auto& terms :
+       {vision_terms(cell, over, tracker.source), content_terms(over.terms),
+        run_terms(accuracy.drift, rms(each(targets, &JudgedMove::judge_sigma)))})
     budget.terms.insert(budget.terms.end(), terms.begin(), terms.end());
   double sum = 0.0;
   for (const BudgetTerm& term : budget.terms)

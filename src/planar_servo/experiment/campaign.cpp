@@ -16,6 +16,7 @@
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/report/html_page.h"
+#include "planar_servo/report/places.h"
 #include "planar_servo/report/report_list.h"
 
 namespace planar {
@@ -46,10 +47,7 @@ double value_of(const nlohmann::json& row, const Column& column) {
 }
 
 std::vector<double> values_of(const std::vector<nlohmann::json>& rows, const Column& column) {
-  std::vector<double> values;
-  values.reserve(rows.size());
-  for (const nlohmann::json& row : rows) values.push_back(value_of(row, column));
-  return values;
+  return each(rows, [&](const nlohmann::json& row) { return value_of(row, column); });
 }
 
 double largest(const std::vector<double>& values) {
@@ -66,23 +64,21 @@ std::string interval_text(const std::vector<double>& values) {
 }
 
 TextTable campaign_table(const std::vector<nlohmann::json>& rows) {
-  std::vector<std::string> header{"drawn cell"}, middle{"median"};
-  std::vector<std::string> interval{"95 % interval of the median"}, worst{"worst"};
-  for (const Column& column : kColumns) {
-    const std::vector<double> values = values_of(rows, column);
-    header.emplace_back(column.title);
-    middle.push_back(four_decimals(median(values)));
-    interval.push_back(interval_text(values));
-    worst.push_back(four_decimals(largest(values)));
-  }
-  TextTable table("True positioning error in mm, mean of the control targets", header);
-  for (const nlohmann::json& row : rows) {
-    std::vector<std::string> fields{fmt::format("seed {}", row.at("seed").get<std::uint32_t>())};
-    for (const Column& column : kColumns) fields.push_back(four_decimals(value_of(row, column)));
-    table.add_row(std::move(fields));
-  }
-  for (auto* line : {&middle, &interval, &worst}) table.add_row(std::move(*line));
-  return table;
+  ReportList list;
+  const auto add = [&list](const std::string& name, const auto& text_of) {
+    ReportList& row = list.row("cells");
+    row.line("drawn cell", name);
+    for (const Column& column : kColumns) row.line(column.title, text_of(column));
+  };
+  for (const nlohmann::json& row : rows)
+    add(fmt::format("seed {}", row.at("seed").get<std::uint32_t>()),
+        [&](const Column& column) { return four_decimals(value_of(row, column)); });
+  add("median", [&](const Column& of) { return four_decimals(median(values_of(rows, of))); });
+  add("95 % interval of the median",
+      [&](const Column& of) { return interval_text(values_of(rows, of)); });
+  add("worst", [&](const Column& of) { return four_decimals(largest(values_of(rows, of))); });
+  list.show("cells", "True positioning error in mm, mean of the control targets");
+  return list.table("cells");
 }
 
 bool is_sum(const std::string& key) {

@@ -2,18 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <tuple>
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/columns.h"
+#include "planar_servo/experiment/paper_tables.h"
+#include "planar_servo/experiment/plots/plots.h"
+#include "planar_servo/report/html_page.h"
+#include "planar_servo/report/plot.h"
 #include "planar_servo/work/run/servo_report.h"
 
 namespace planar {
 namespace {
 
-/// Stands for what the paper does not print and what nobody has judged.
-constexpr char kNone[] = "–";
+namespace fs = std::filesystem;
 
 void list_accuracies(ReportList& list, const std::string& key, const std::string& head,
                      const std::vector<AccuracyRow>& rows) {
@@ -48,8 +57,8 @@ void list_positioning(ReportList& list, const std::vector<PositioningRow>& rows)
     row.line("its gain", "{paper_chain_improvement:.1%}", found.improvement(found.paper_chain));
     row.line("ours", "{ours:.4f}", mm(found.ours));
     row.line("our gain", "{ours_improvement:.1%}", found.improvement(found.ours));
-    row.line("paper: before ~",
-             std::isfinite(found.paper_before) ? fixed(mm(found.paper_before), 3) : kNone);
+    row.line_if(std::isfinite(found.paper_before), "paper: before ~",
+                fixed(mm(found.paper_before), 3));
     row.line("paper: after", "{paper:.3f}", mm(found.paper_after));
     row.line("paper: gain", "{paper_improvement:.1%}", found.paper_improvement);
   });
@@ -72,65 +81,80 @@ ReportList tables_list(const PaperTables& tables) {
   return list;
 }
 
+const char* judged_how(const ExperimentReport& report) {
+  return report.reflector_sigma ? "measured" : "true";
+}
+
 TextTable positioning_table_of(const ExperimentReport& report) {
   ReportList list;
   list_positioning(list, report.tables.positioning);
-  return list.table(
-      fmt::format("Table 7: mean {} positioning error in mm, {} targets on each circle of radius "
-                  "{} mm",
-                  report.reflector_sigma ? "measured" : "true",
-                  report.circles.front().targets.size(), report.circles.front().radius_mm),
-      "table7");
+  list.show("table7", fmt::format("Table 7: mean {} positioning error in mm, {} targets on each "
+                                  "circle of radius {} mm",
+                                  judged_how(report), report.circles.front().targets.size(),
+                                  report.circles.front().radius_mm));
+  return list.table("table7");
 }
 
 TextTable chain_table(const ExperimentReport& report) {
-  TextTable table(
-      fmt::format("Chains side by side on this recording: {} errors at the targets in mm",
-                  report.reflector_sigma ? "measured" : "true"),
-      {"chain", "camera model", "lamp centres", "error map", "control law", "vision error: mean",
-       "end point: mean", "at 95 %", "largest"});
-  const auto row = [&](std::vector<std::string> fields, const std::vector<TargetResult>& results) {
+  ReportList list;
+  const auto add = [&list](const std::array<const char*, 5>& words,
+                           const std::vector<TargetResult>& results) {
     const auto after = figures_of(results).after_judged;
-    const auto field = [](std::optional<double> metres) {
-      return metres && std::isfinite(*metres) ? fmt::format("{:#.3g}", mm(*metres)) : kNone;
-    };
-    fields.push_back(field(mean_error(results, &TargetResult::vision_compensated)));
-    for (const auto figure : {&Summary::mean, &Summary::p95, &Summary::max})
-      fields.push_back(field(after ? std::optional((*after).*figure) : std::nullopt));
-    table.add_row(std::move(fields));
+    ReportList& row = list.row("chains");
+    auto word = words.begin();
+    for (const char* name : {"chain", "camera model", "lamp centres", "error map", "control law"})
+      row.line(name, *word++);
+    row.line("vision error: mean", "{vision_mm:#.3g}",
+             mean_error(results, &TargetResult::vision_compensated));
+    row.line("end point: mean", "{mean_mm:#.3g}", part_of(after, &Summary::mean));
+    row.line("at 95 %", "{p95_mm:#.3g}", part_of(after, &Summary::p95));
+    row.line("largest", "{max_mm:#.3g}", part_of(after, &Summary::max));
   };
-  row({"the paper's +", "k1", "Canny, Kåsa", "Gaussian RBF", "inverse"}, report.paper);
-  row({"without its map +", "k1", "Canny, Kåsa", "none", "inverse"}, report.paper_no_map);
-  row({"ViSP's", "vpCalibration", "vpDot2", "none", "vpServo"}, report.visp);
-  row({"ours", "chosen", "rim", "field at the lamps", "vpServo"}, report.ours);
-  return table;
+  add({"the paper's +", "k1", "Canny, Kåsa", "Gaussian RBF", "inverse"}, report.paper);
+  add({"without its map +", "k1", "Canny, Kåsa", "none", "inverse"}, report.paper_no_map);
+  add({"ViSP's", "vpCalibration", "vpDot2", "none", "vpServo"}, report.visp);
+  add({"ours", "chosen", "rim", "field at the lamps", "vpServo"}, report.ours);
+  list.show("chains",
+            fmt::format("Chains side by side on this recording: {} errors at the targets in mm",
+                        judged_how(report)));
+  return list.table("chains");
 }
 
+/// A table of the paper as it is shown.
+struct ShownTable {
+  TextTable table;
+  std::string look_at;  ///< sentences that say what the table shows and what to look at
+};
+
 std::vector<ShownTable> map_tables_of(const PaperTables& tables) {
-  const ReportList list = tables_list(tables);
+  ReportList list = tables_list(tables);
+  const auto titled = [&list](const char* key, const char* title) {
+    list.show(key, title);
+    return list.table(key);
+  };
   return {
-      {list.table("Table 1: correlation of the vision error between three runs", "table1"),
+      {titled("table1", "Table 1: correlation of the vision error between three runs"),
        "Each circle is gone round three times, and the error components of the runs are compared "
        "in pairs. Near 1, the error belongs to the place and a map can learn it. Our error before "
        "the map is smaller, so that the same noise weighs more. The numbers have no unit."},
-      {list.table("Table 2: accuracy of inverse distance weighting on circles about the base",
-                  "table2"),
+      {titled("table2",
+              "Table 2: accuracy of inverse distance weighting on circles about the base"),
        "The map is made of the training positions, and judged on circles that it has not seen. "
        "A2 = 1 - |mean|E| - mean|Ê|| / mean|E| is the paper's accuracy, with the measured errors E "
        "and the predicted ones Ê; A1 = 1 - mean|E - Ê| / mean|E| sees directions, too. 100 % is a "
        "perfect map. Compare with Table 5, which has the same places."},
-      {list.table("Table 3: what the error maps were made of", "table3"),
+      {titled("table3", "Table 3: what the error maps were made of"),
        "The paper turned its width by hand; so does its chain here, by the test positions. Widths "
        "of different functions do not compare: ours may be a multiquadric on a polynomial."},
-      {list.table("Table 4: standard deviation of three predictions in mm, the largest of a circle",
-                  "table4"),
+      {titled("table4",
+              "Table 4: standard deviation of three predictions in mm, the largest of a circle"),
        "Each place of the check circles was seen in three frames, and the map predicts from "
        "each of them. The figure says how little the noise of vision moves a prediction; it does "
        "not say that a prediction is right."},
-      {list.table("Table 5: accuracy of the radial basis functions on the same circles", "table5"),
+      {titled("table5", "Table 5: accuracy of the radial basis functions on the same circles"),
        "Look at A1 beside A2: where A1 is much lower, the predicted lengths are right on average "
        "and the errors themselves are not."},
-      {list.table("Table 6: accuracy, mean of the three circles", "table6"),
+      {titled("table6", "Table 6: accuracy, mean of the three circles"),
        "The better method is the one that leaves less of the error: A1 says so."}};
 }
 
@@ -151,8 +175,7 @@ void list_judge(ReportList& list, const ExperimentReport& report) {
             report.reflector_sigma);
 }
 
-}  // namespace
-
+/// Returns the tables that there are, in the paper's order.
 std::vector<ShownTable> shown_tables(const ExperimentReport& report) {
   std::vector<ShownTable> shown;
   if (!report.tables.run_correlation.empty()) shown = map_tables_of(report.tables);
@@ -171,6 +194,8 @@ std::vector<ShownTable> shown_tables(const ExperimentReport& report) {
   return shown;
 }
 
+/// Explains the marks and columns of the tables, a line each: what the virtual cell was fitted to,
+/// and what the paper's accuracy cannot see.
 std::string marks_text(const ExperimentReport& report) {
   std::string text =
       "ours is planar-servo; the paper's chain is the paper's method on the same recording; paper "
@@ -187,6 +212,255 @@ std::string marks_text(const ExperimentReport& report) {
          "near the paper's Tables 2, 5 and 7\n"
          "~ follows from the two figures beside it; the paper prints only the mean of all four\n";
 }
+
+/// Errors this many times the predicted ones put the calibration in question.
+constexpr double kFarBeyondPrediction = 2.0;
+
+/// The files that an experiment leaves in its folder, and what they hold.
+struct LeftFile {
+  const char* file;
+  const char* what;
+};
+constexpr LeftFile kLeftFiles[] = {
+    {"figures.json", "every figure and table of this page"},
+    {"errors.svg", "the picture at the top"},
+    {"plan.csv", "what was recorded"},
+    {"recording/frames.csv", "the recorded images"},
+    {"recording/tracker.csv", "the recorded tracker readings"},
+    {"ours/pairs.csv", "the end point by vision and by the tracker, our chain"},
+    {"ours/run/results.csv", "the errors at the targets, our chain"},
+    {"ours/run/steps.csv", "every step of the loop, our chain"},
+    {"paper/pairs.csv", "the end point by vision and by the tracker, the paper's chain"},
+    {"paper/run/results.csv", "the errors at the targets, the paper's chain"},
+    {"paper/run/steps.csv", "every step of the loop, the paper's chain"},
+    {"paper/run_without_map/results.csv", "the errors at the targets, the paper's chain unmapped"},
+    {"visp/run_without_map/results.csv", "the errors at the targets, ViSP's chain"}};
+
+std::vector<StepError> steps_of(const fs::path& run) {
+  const fs::path file = run / "steps.csv";
+  return fs::exists(file) ? read_step_errors(file) : std::vector<StepError>();
+}
+
+std::string judged_words(const ExperimentReport& report) {
+  return report.reflector_sigma ? "errors measured by the cell's tracker" : "true errors";
+}
+
+void add_first_words(HtmlPage& page, const ExperimentReport& report) {
+  const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
+  Verdict verdict;
+  verdict.faults = run_faults(ours, "ours/run/results.csv");
+  if (!ours.after_judged) {
+    verdict.doubt("nobody judged where our chain ends",
+                  "clear the tracker's view, and begin in another folder");
+    return page.add_verdict(verdict);
+  }
+  if (paper.after_judged && ours.after_judged->mean >= paper.after_judged->mean)
+    verdict.doubt("our chain ends no nearer than the paper's",
+                  "compare the chains in Tables 3 and 5, and the errors below");
+  const double ratio = ours.after_judged->mean / report.prediction.mean;
+  if (ratio > kFarBeyondPrediction)
+    verdict.doubt(fmt::format("the error found is {:.1f} times the predicted one", ratio),
+                  "see where the errors are large below, and record training places there");
+  verdict.good = fmt::format(
+      "the end point stops {:.4f} mm from its targets on average, {:.4f} mm at 95 % and {:.4f} mm "
+      "at worst ({} at {} targets)",
+      mm(ours.after_judged->mean), mm(ours.after_judged->p95), mm(ours.after_judged->max),
+      judged_words(report), ours.after_judged->n);
+  page.add_verdict(verdict);
+  if (!verdict.faults.empty()) page.add_paragraph("Found: " + verdict.good + ".");
+}
+
+/// Returns the errors at the targets by each way to go there, and those predicted for ours.
+std::string accuracy_table(const ExperimentReport& report) {
+  ReportList list;
+  const auto add = [&list](const char* way, const std::optional<Summary>& found) {
+    if (!found) return;
+    ReportList& row = list.row("ways");
+    row.line("way", way);
+    row.line("mean, mm", "{mean_mm:.4f}", found->mean);
+    row.line("at 95 %, mm", "{p95_mm:.4f}", found->p95);
+    row.line("largest, mm", "{max_mm:.4f}", found->max);
+  };
+  const ServoFigures ours = figures_of(report.ours), paper = figures_of(report.paper);
+  add("arm by the cell file, without calibration", paper.before_judged);
+  add("the paper's chain", paper.after_judged);
+  add("planar-servo, arm alone", ours.before_judged);
+  add("planar-servo, with vision", ours.after_judged);
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  add("planar-servo, as its calibration predicts it",
+      Summary{0, report.prediction.mean, kUnknown, report.prediction.p95, kUnknown});
+  list.show("ways", fmt::format("Distance from the targets: {}", judged_words(report)));
+  return list.table_html("ways");
+}
+
+/// Compares what was reached with what was there before, with the paper's chain and with what was
+/// predicted.
+std::string worth_words(const ExperimentReport& report) {
+  const auto ours = figures_of(report.ours).after_judged;
+  const ServoFigures paper = figures_of(report.paper);
+  if (!ours || !paper.after_judged || !paper.before_judged) return "";
+  return fmt::format(
+      "planar-servo removes {} % of the error that the arm has by its cell file, the paper's chain "
+      "{} %; the paper's chain stops {:.1f} times as far from the targets. The calibration alone "
+      "predicted {:.4f} mm; what was found is {:.2f} times that. On its own platform the paper "
+      "reached {:.3f} mm.",
+      fixed(100.0 * (1.0 - ours->mean / paper.before_judged->mean), 1),
+      fixed(100.0 * (1.0 - paper.after_judged->mean / paper.before_judged->mean), 1),
+      paper.after_judged->mean / ours->mean, mm(report.prediction.mean),
+      ours->mean / report.prediction.mean, kPaperAfterMean_mm);
+}
+
+/// Returns the targets that our chain ended farthest from.
+std::string worst_table(const ExperimentReport& report) {
+  constexpr std::size_t kMostShown = 5;
+  std::vector<TargetResult> worst;
+  for (const TargetResult& result : report.ours)
+    if (result.after_judged) worst.push_back(result);
+  std::stable_sort(worst.begin(), worst.end(), [](const TargetResult& a, const TargetResult& b) {
+    return a.after_judged->norm() > b.after_judged->norm();
+  });
+  ReportList list;
+  for (std::size_t i = 0; i < std::min(worst.size(), kMostShown); ++i)
+    list.row("worst", result_columns(worst[i]),
+             {{"target"},
+              {"x_mm", 1},
+              {"y_mm", 1},
+              {"after_" + figures_of(report.ours).judge() + "_mm", 4},
+              {"uncertainty_mm", 4}});
+  list.show("worst", "The targets with the largest errors");
+  return list.table_html("worst");
+}
+
+std::string coverage_words(const ExperimentReport& report) {
+  const ServoFigures ours = figures_of(report.ours);
+  std::string words = fmt::format("{} of {} targets were reached, {} were judged.", ours.reached,
+                                  ours.targets, ours.after_judged ? ours.after_judged->n : 0);
+  if (ours.coverage_95)
+    words += fmt::format(
+        " Of the end point's estimates, {} % of the components are within their "
+        "stated 95 % interval: less than 95 % means that stated uncertainties are too small, more "
+        "that they are too large.",
+        fixed(100.0 * ours.coverage_95->share(), 1));
+  return words;
+}
+
+void add_plot(HtmlPage& page, const ReportPlot& plot, const fs::path& out) {
+  const std::string file = "figures/" + plot.file;
+  const std::string link =
+      fs::exists(out / file) ? fmt::format(" <a href=\"{0}\">{0}</a>", file) : "";
+  page.add_html(fmt::format("<figure{}>\n<figcaption><b>{}.</b> {}{}</figcaption>\n{}</figure>\n",
+                            plot.panels.size() > 1 ? " class=\"broad\"" : "",
+                            html_escaped(plot.title), html_escaped(plot.caption), link,
+                            plot_html(plot.panels)));
+}
+
+void add_plots(HtmlPage& page, const std::vector<ReportPlot>& plots, const fs::path& out) {
+  page.add_html("<div class=\"figures\">\n");
+  for (const ReportPlot& plot : plots) add_plot(page, plot, out);
+  page.add_html("</div>\n");
+}
+
+void add_files(HtmlPage& page, const fs::path& out) {
+  std::string rows;
+  for (const LeftFile& left : kLeftFiles)
+    if (fs::exists(out / left.file))
+      rows += fmt::format("<li><a href=\"{0}\">{0}</a>: {1}</li>\n", left.file, left.what);
+  if (rows.empty()) return;
+  page.add_heading("Files");
+  page.add_html("<ul>\n" + rows + "</ul>\n");
+}
+
+/// Returns the errors of those ways that somebody judged.
+std::vector<QuiverPanel> error_panels(const ExperimentReport& report) {
+  std::vector<QuiverPanel> panels;
+  for (const auto& [what, results, error] :
+       {std::tuple("Open loop", &report.paper, &TargetResult::before_judged),
+        {"Paper's chain", &report.paper, &TargetResult::after_judged},
+        {"planar-servo", &report.ours, &TargetResult::after_judged}})
+    if (QuiverPanel panel = error_panel(what, *results, error); !panel.points.empty())
+      panels.push_back(std::move(panel));
+  return panels;
+}
+
+/// The plots of the report by the part of the page that has them.
+struct ReportPlots {
+  std::vector<ReportPlot> worth, coverage;
+  std::vector<ReportPlot> paper;  ///< the figures of the paper that the data allow, in its order
+};
+
+/// Reads the steps of the loops from the runs in `out`.
+ReportPlots experiment_plots(const ExperimentReport& report, const fs::path& out) {
+  ReportPlots plots;
+  const auto add = [](std::vector<ReportPlot>& to, std::vector<ReportPlot> more) {
+    for (ReportPlot& plot : more) to.push_back(std::move(plot));
+  };
+  add(plots.worth, spread_plot(report));
+  add(plots.worth,
+      convergence_plot(steps_of(out / "ours" / "run"), steps_of(out / "paper" / "run")));
+  add(plots.coverage, coverage_plot(report));
+  if (report.recorded) add(plots.paper, paper_plots(*report.recorded));
+  add(plots.paper, control_plots(report));
+  return plots;
+}
+
+/// Adds the answers to an engineer's first questions.
+void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlots& plots,
+                 const fs::path& out) {
+  page.add_heading("Accuracy");
+  page.add_html(accuracy_table(report));
+  const std::vector<QuiverPanel> errors = error_panels(report);
+  if (!errors.empty()) page.add_html(plot_html(quiver_panels(errors)));
+  page.add_paragraph(
+      fmt::format("{} All chains were calibrated from the same recording. {}",
+                  report.reflector_sigma
+                      ? "Errors of the end point at the control targets, as the cell's tracker "
+                        "measured them after the servo had ended."
+                      : "True errors of the end point at the control targets, by the scorer of the "
+                        "virtual cell, which alone sees the truth.",
+                  kQuiverCaption));
+  page.add_heading("Improvement");
+  page.add_paragraph(worth_words(report));
+  add_plots(page, plots.worth, out);
+  if (figures_of(report.ours).after_judged) {
+    page.add_section("Largest errors",
+                     worst_table(report) + plot_html(quiver_panels({errors.back()})),
+                     "The errors of our chain once more, at scales of their own.");
+  }
+  page.add_heading("Coverage");
+  page.add_paragraph(coverage_words(report));
+  add_plots(page, plots.coverage, out);
+  page.add_heading("The runs in numbers");
+  page.add_paragraph(experiment_list(report).text());
+}
+
+void add_paper_tables(HtmlPage& page, const ExperimentReport& report) {
+  page.add_heading("The paper's tables");
+  page.add_paragraph(marks_text(report));
+  for (const ShownTable& shown : shown_tables(report)) {
+    const std::string heading = page.add_heading(shown.table.title(), 3);
+    page.add_html(shown.table.html(heading));
+    page.add_paragraph(shown.look_at);
+  }
+}
+
+/// Returns the text of the page. It links to those files in `out` that exist.
+std::string experiment_page(const ExperimentReport& report, const std::string& cell_name,
+                            const ReportPlots& plots, const fs::path& out) {
+  HtmlPage page("The paper's experiment on " + cell_name);
+  add_first_words(page, report);
+  page.add_contents();
+  add_results(page, report, plots, out);
+  add_paper_tables(page, report);
+  page.add_heading("The paper's figures");
+  page.add_paragraph(
+      "The numbers are the paper's. Its Figures 1 to 5, 12 and 17 are drawings and photographs "
+      "without data.");
+  add_plots(page, plots.paper, out);
+  add_files(page, out);
+  return page.text();
+}
+
+}  // namespace
 
 ReportList prediction_list(const PositioningPrediction& prediction) {
   ReportList list;
@@ -226,6 +500,22 @@ std::string experiment_text(const ExperimentReport& report) {
   std::string text;
   for (const ShownTable& shown : shown_tables(report)) text += shown.table.plain_text() + '\n';
   return text + marks_text(report) + '\n' + experiment_list(report).text();
+}
+
+fs::path write_experiment_report(const ExperimentReport& report, const std::string& cell_name,
+                                 const fs::path& out) {
+  const ReportPlots plots = experiment_plots(report, out);
+  make_folder(out / "figures");
+  for (const auto* part : {&plots.worth, &plots.coverage, &plots.paper})
+    for (const ReportPlot& plot : *part)
+      write_file(out / "figures" / plot.file, format_comment("figure") + plot_svg(plot.panels));
+  if (const std::vector<QuiverPanel> errors = error_panels(report); !errors.empty())
+    write_file(out / "errors.svg", format_comment("figure") + plot_svg(quiver_panels(errors)));
+  write_file(out / "figures.json",
+             with_format_key("figures", experiment_list(report).json().dump(2)));
+  fs::path page = out / "report.html";
+  write_file(page, experiment_page(report, cell_name, plots, out));
+  return page;
 }
 
 }  // namespace planar

@@ -33,28 +33,23 @@ constexpr double kWorseAtPlacesLeftOut = 1.5;
 constexpr std::size_t kLinksAndZeros = 4;
 
 std::vector<Eigen::Vector2d> misses_mm(const ArmFit& fit) {
-  std::vector<Eigen::Vector2d> misses;
-  for (const ArmMiss& miss : fit.held_out) misses.emplace_back(miss.miss / kMillimetre);
-  return misses;
+  return in_mm(each(fit.held_out, &ArmMiss::miss));
 }
 
 /// Misses over the angle of a motor; what is periodic there is a reducer's eccentricity that the
 /// model lacks.
 Panel motor_panel(const ArmFit& fit, int motor, const Axis& miss_axis) {
-  std::vector<double> angles;
-  for (const ArmMiss& miss : fit.held_out) angles.push_back(miss.motors[motor] / kDegree);
+  const std::vector<double> angles =
+      each(fit.held_out, [&](const ArmMiss& miss) { return miss.motors[motor] / kDegree; });
   return component_panel(fmt::format("Over the angle of motor {}", motor + 1),
                          axis_over(fmt::format("motor {}, deg", motor + 1), angles), miss_axis,
                          angles, misses_mm(fit));
 }
 
 std::string place_plot(const ArmFit& fit) {
-  QuiverPanel panel{fmt::format("Places left out: {:.4f} mm rms", mm(fit.held_out_rms)), {}, {}};
-  for (const ArmMiss& miss : fit.held_out) {
-    panel.points.push_back(miss.p_B);
-    panel.errors.push_back(miss.miss);
-  }
-  std::vector<Panel> panels = quiver_panels({panel});
+  std::vector<Panel> panels =
+      quiver_panels({{fmt::format("Places left out: {:.4f} mm rms", mm(fit.held_out_rms)),
+                      each(fit.held_out, &ArmMiss::p_B), each(fit.held_out, &ArmMiss::miss)}});
   panels.push_back(histogram("Their components", "read minus predicted, mm",
                              components_of(misses_mm(fit)),
                              {mm(fit.stated_sigma), "the tracker's deviation"}));
@@ -67,9 +62,9 @@ void doubt_open_terms(const ArmFit& fit, Verdict& verdict) {
   for (std::size_t i = 0; i < kLinksAndZeros; ++i)
     if (!terms[i].determined) open.push_back(terms[i].label);
   if (!open.empty())
-    verdict.faults.push_back(
-        {fmt::format("the readings do not determine {}", fmt::join(open, ", ")),
-         "read places all over the workspace, with the joints in many different positions"});
+    verdict.doubt(
+        fmt::format("the readings do not determine {}", fmt::join(open, ", ")),
+        "read places all over the workspace, with the joints in many different positions");
 }
 
 }  // namespace
@@ -110,15 +105,15 @@ ArmNominal arm_of_files(const CellSettings& cell) {
 ReportList arm_terms_list(const JointEstimate& estimate) {
   ReportList list;
   for (const ArmTerm& term : arm_terms(estimate)) {
-    ReportList row;
-    row.line("", fmt::format("{:<20}", term.label));
-    row.line("value", fmt::format("{{value:>16.5f}} +- {{sigma:<9.5f}} {}", term.unit_text),
+    ReportList& row = list.row("terms");
+    row.line("term", term.label);
+    row.line("value", std::string("{value:.5f} +- {sigma:.5f} ") + term.unit_text,
              term.value / term.unit, term.sigma / term.unit);
-    row.line("by the readings", term.determined ? "" : "  not determined");
+    row.line("by the readings", term.determined ? "" : "not determined");
     row.unprinted("determined", term.determined);
-    list.row("terms", row);
     list.unprinted(term.key, row.json());
   }
+  list.show("terms", "The arm, as found from the poses", ReportList::Shown::kAlsoInPrint);
   return list;
 }
 
@@ -129,7 +124,6 @@ ReportList arm_list(const ArmFit& fit) {
   list.line("readings met", "{rms_mm:.4f} mm rms, {harmonics} harmonics of each reducer", fit.rms,
             fit.estimate.size.harmonics);
   list.line("places left out", "{held_out_rms_mm:.4f} mm rms", fit.held_out_rms);
-  list.row_heads("\nthe arm, as found from the poses");
   list.append(arm_terms_list(fit.estimate));
   return list;
 }
@@ -138,15 +132,11 @@ Verdict arm_verdict(const ArmFit& fit) {
   Verdict verdict;
   doubt_open_terms(fit, verdict);
   if (fit.held_out_rms > kWorseAtPlacesLeftOut * fit.rms)
-    verdict.faults.push_back(
-        {fmt::format("places left out are met to {:.4f} mm rms, those fitted to {:.4f} mm",
-                     mm(fit.held_out_rms), mm(fit.rms)),
-         "read more places, spread all over the workspace"});
-  const std::size_t readings = fit.held_out.size() + fit.left_out.size();
-  if (static_cast<double>(fit.left_out.size()) > kFewLeftOut * static_cast<double>(readings))
-    verdict.faults.push_back(
-        {fmt::format("{} of {} readings contradict the others", fit.left_out.size(), readings),
-         "look at the readings that are named below, and read these places again"});
+    verdict.doubt(fmt::format("places left out are met to {:.4f} mm rms, those fitted to {:.4f} mm",
+                              mm(fit.held_out_rms), mm(fit.rms)),
+                  "read more places, spread all over the workspace");
+  doubt_left_out(fit.left_out.size(), fit.held_out.size() + fit.left_out.size(),
+                 "readings contradict the others and were", verdict);
   verdict.good = fmt::format(
       "{} readings are met to {:.4f} mm rms and places left out to {:.4f} mm, where the tracker's "
       "deviation is {:.4f} mm per axis; links and the zeros of motors 1 and 2 are determined",
@@ -155,26 +145,18 @@ Verdict arm_verdict(const ArmFit& fit) {
 }
 
 std::string arm_page(const ArmFit& fit, const std::filesystem::path& file) {
-  HtmlPage page = page_about("Arm", file);
-  page.add_verdict(arm_verdict(fit));
-  page.add_heading("Readings at places left out");
-  page.add_html(place_plot(fit));
-  page.add_paragraph(
+  HtmlPage page = page_about("Arm", file, arm_verdict(fit));
+  page.add_section(
+      "Readings at places left out", place_plot(fit),
       "From each reading of the reflector, how far it lies from where the others predict it. Lines "
       "in all directions are noise; neighbours that point the same way show what the model of the "
       "arm lacks.");
-  page.add_heading("Over the motors' angles");
   const Axis axis = axis_over("read minus predicted, mm", components_of(misses_mm(fit)));
-  page.add_html(
-      plot_html({motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)}));
-  page.add_paragraph(
+  page.add_section(
+      "Over the motors' angles",
+      plot_html({motor_panel(fit, 0, axis), motor_panel(fit, 1, axis), motor_panel(fit, 2, axis)}),
       "A wave over the angle of a motor is an eccentricity of its reducer that the model lacks.");
-  page.add_heading("In numbers");
-  const ReportList list = arm_list(fit);
-  page.add_html(list.table("What was found").html());
-  page.add_html(list.table("The arm, as found from the poses", "terms").html());
-  add_provenance(page, file);
-  return page.text();
+  return ended_page(std::move(page), arm_list(fit), file);
 }
 
 }  // namespace planar

@@ -11,6 +11,7 @@
 #include "planar_servo/calibration/view_choice.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/tables/recording_tables.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
@@ -121,10 +122,7 @@ BoardSight find_board_on_sensor(const cv::Mat& image, const cv::Point& corner_px
 
 BoardViews find_board_views(const std::vector<std::filesystem::path>& images, const Board& board) {
   const std::vector<Picture> pictures = pictures_of(images);
-  std::vector<std::filesystem::path> files;
-  files.reserve(pictures.size());
-  for (const Picture& picture : pictures) files.push_back(picture.path);
-  const PictureSet set(files);
+  const PictureSet set(each(pictures, &Picture::path));
   ProgressBar progress("boards");
   BoardViews views;
   Faults faults;

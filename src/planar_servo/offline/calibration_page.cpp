@@ -115,44 +115,39 @@ std::string per_cent(double share) {
 }
 
 void judge_views(const CameraCalibration& found, Verdict& verdict) {
-  std::vector<double> residuals_px;
-  for (const CalibratedView& view : found.views) residuals_px.push_back(view.rms_px);
-  const double usual = median(residuals_px);
+  const double usual = median(each(found.views, &CalibratedView::rms_px));
   for (const CalibratedView& view : found.views)
     if (view.rms_px > kUnusualView * usual)
-      verdict.faults.push_back(
-          {fmt::format("{} is met to {:.3f} px only, the others to {:.3f} px", view.name,
-                       view.rms_px, usual),
-           "look at " + view.name + ": if it is blurred or the board bent, leave it out"});
+      verdict.doubt(fmt::format("{} is met to {:.3f} px only, the others to {:.3f} px", view.name,
+                                view.rms_px, usual),
+                    "look at " + view.name + ": if it is blurred or the board bent, leave it out");
   const std::size_t pictures = found.views.size() + found.rejected.size();
   if (static_cast<double>(found.rejected.size()) > kMostRejected * static_cast<double>(pictures))
-    verdict.faults.push_back(
-        {fmt::format("{} of {} pictures were not used", found.rejected.size(), pictures),
-         "take new pictures in place of those under 'Not used', which says why"});
+    verdict.doubt(fmt::format("{} of {} pictures were not used", found.rejected.size(), pictures),
+                  "take new pictures in place of those under 'Not used', which says why");
 }
 
 void judge_left_out(const CameraCalibration& found, Verdict& verdict) {
   if (!found.held_out_rms_px)
-    verdict.faults.push_back({fmt::format("{} views are too few to judge the camera by views left "
-                                          "out of the fit",
-                                          found.views.size()),
-                              "take 10 or more views, tilted in different directions"});
+    verdict.doubt(
+        fmt::format("{} views are too few to judge the camera by views left out of the fit",
+                    found.views.size()),
+        "take 10 or more views, tilted in different directions");
   else if (*found.held_out_rms_px > kWorseLeftOut * found.rms_px)
-    verdict.faults.push_back(
-        {fmt::format("views left out of the fit are met to {:.3f} px, those fitted to {:.3f} px",
-                     *found.held_out_rms_px, found.rms_px),
-         "take more views, tilted in different directions, or a simpler --model"});
+    verdict.doubt(
+        fmt::format("views left out of the fit are met to {:.3f} px, those fitted to {:.3f} px",
+                    *found.held_out_rms_px, found.rms_px),
+        "take more views, tilted in different directions, or a simpler --model");
 }
 
 void judge_image(const CameraCalibration& found, const ImageCoverage& coverage, Verdict& verdict) {
   const std::vector<std::string> corners = coverage.empty_corners();
   if (!corners.empty())
-    verdict.faults.push_back(
-        {fmt::format("{} of the image {} not seen: {}",
-                     corners.size() == 1 ? "a corner" : "corners",
-                     corners.size() == 1 ? "was" : "were", fmt::join(corners, ", ")),
-         "hold the board into these corners for two or three more views each, unless the lamps "
-         "never come there"});
+    verdict.doubt(
+        fmt::format("{} of the image {} not seen: {}", corners.size() == 1 ? "a corner" : "corners",
+                    corners.size() == 1 ? "was" : "were", fmt::join(corners, ", ")),
+        "hold the board into these corners for two or three more views each, unless the lamps "
+        "never come there");
   if (!coverage.is_systematic()) return;
   const std::string what = fmt::format(
       "the residuals are mostly systematic, not noise: neighbouring points have {} of their mean "
@@ -164,7 +159,7 @@ void judge_image(const CameraCalibration& found, const ImageCoverage& coverage, 
         "that is not flat looks the same",
         what);
   else
-    verdict.faults.push_back({what, "calibrate with --model auto"});
+    verdict.doubt(what, "calibrate with --model auto");
 }
 
 /// Lists what was found with what only the page shows.
@@ -183,6 +178,8 @@ ReportList page_list(const CameraCalibration& found, const ImageCoverage& covera
       "nearest points",
       "{corner_gaps_px:.0f} px from the corners " + fmt::format("{}", fmt::join(kCorners, ", ")),
       coverage.corner_gaps_px);
+  list.show("views", "Views");
+  list.show("rejected", "Not used");
   return list;
 }
 
@@ -210,8 +207,7 @@ template <typename ValueAt>
 Panel field_panel(const std::string& title, const CameraCalibration& found,
                   const std::string& label, const ValueAt& value_at) {
   Panel panel = picture_panel(title, found);
-  std::vector<double> values;
-  for (const Eigen::Vector2d& uv : panel.field_places()) values.push_back(value_at(uv));
+  const std::vector<double> values = each(panel.field_places(), value_at);
   const ColorScale colors(label, values);
   panel.add_field(values, colors);
   panel.add_color_bar(colors);
@@ -254,8 +250,7 @@ std::string deviation(double sigma_px) {
 
 ImageCoverage coverage_of(const CameraCalibration& found) {
   const CellGrid grid(found);
-  ViewResiduals residuals_px;
-  for (const CalibratedView& view : found.views) residuals_px.push_back(view.residuals_px);
+  const ViewResiduals residuals_px = each(found.views, &CalibratedView::residuals_px);
   const double common = grid.common_square(residuals_px);
   ImageCoverage coverage;
   coverage.cell_px = grid.size_px;
@@ -363,13 +358,12 @@ Verdict camera_verdict(const CameraCalibration& found) {
 std::string camera_page(const CameraCalibration& found, const std::filesystem::path& file,
                         const std::vector<std::filesystem::path>& inputs) {
   const ImageCoverage coverage = coverage_of(found);
-  HtmlPage page = page_about("Camera", file);
-  page.add_verdict(camera_verdict(found));
-  page.add_heading("Where the boards were seen");
+  HtmlPage page = page_about("Camera", file, camera_verdict(found));
   const auto points_at = [&](const Eigen::Vector2d& uv) { return coverage.points_at(uv); };
-  page.add_html(plot_html(
-      {residual_panel(found), field_panel("Points seen", found, "points in a cell", points_at)}));
-  page.add_paragraph(
+  page.add_section(
+      "Where the boards were seen",
+      plot_html({residual_panel(found),
+                 field_panel("Points seen", found, "points in a cell", points_at)}),
       "First: how far each point of the boards was seen from where the model puts it; a line "
       "begins at the dot. Lines in all directions are noise; neighbours that point the same way "
       "show a lens that is not of this model, which the error map takes up. Second: how many "
@@ -378,24 +372,18 @@ std::string camera_page(const CameraCalibration& found, const std::filesystem::p
       "Residuals are called mostly systematic where points of the same part of the image have more "
       "than half of the mean square in common, and more than in 95 of 100 shuffles of the "
       "residuals among the points of their views.");
-  page.add_heading("Accuracy of the calibration");
   const auto error_mm = [&](const Eigen::Vector2d& uv) { return mm(found.plane_error.at(uv)); };
-  page.add_html(
+  page.add_section(
+      "Accuracy of the calibration",
       plot_html({field_panel("Uncertainty over the plane", found, "uncertainty, mm", error_mm),
-                 view_panel(found), residual_histogram(found)}));
-  page.add_paragraph(fmt::format(
-      "First: how far a point of a plane {:.0f} mm away may be off because the camera's model is "
-      "uncertain (one standard deviation, both axes together), once the plane's pose has been "
-      "fitted; it is shown where boards were seen, beyond which the model extrapolates. Second: a "
-      "view far above the others is blurred, or its board bent.",
-      mm(found.plane_error.distance)));
-  page.add_heading("In numbers");
-  const ReportList list = page_list(found, coverage);
-  page.add_html(list.table("What was found").html());
-  page.add_html(list.table("Views", "views").html());
-  if (!found.rejected.empty()) page.add_html(list.table("Not used", "rejected").html());
-  add_provenance(page, file, input_records(inputs));
-  return page.text();
+                 view_panel(found), residual_histogram(found)}),
+      fmt::format(
+          "First: how far a point of a plane {:.0f} mm away may be off because the camera's model "
+          "is uncertain (one standard deviation, both axes together), once the plane's pose has "
+          "been fitted; it is shown where boards were seen, beyond which the model extrapolates. "
+          "Second: a view far above the others is blurred, or its board bent.",
+          mm(found.plane_error.distance)));
+  return ended_page(std::move(page), page_list(found, coverage), file, input_records(inputs));
 }
 
 }  // namespace planar

@@ -9,6 +9,7 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/page_of_file.h"
+#include "planar_servo/report/places.h"
 #include "planar_servo/report/plot.h"
 
 namespace planar {
@@ -123,25 +124,18 @@ Panel deviation_panel(const SeenLamps& seen, std::size_t images) {
 }
 
 std::string repeat_plot(const std::vector<RepeatedSight>& sights, std::size_t images) {
-  std::vector<Eigen::Vector2d> dots;
-  std::vector<double> pulls, offs;
-  for (const RepeatedSight& sight : sights)
-    for (int axis = 0; axis < 2; ++axis) {
-      dots.emplace_back(sight.at, sight.off_px[axis]);
-      offs.push_back(sight.off_px[axis]);
-      pulls.push_back(sight.pull[axis]);
-    }
-  Panel series("Scatter at rest", image_axis(images), axis_over("from the place's mean, px", offs));
-  series.add_dots(dots);
-  return plot_html({series, histogram("Scatter over what is stated", "pull, in stated deviations",
-                                      pulls, {1.0, "the stated deviation"})});
+  const std::vector<Eigen::Vector2d> offs_px = each(sights, &RepeatedSight::off_px);
+  return plot_html({component_panel("Scatter at rest", image_axis(images),
+                                    axis_over("from the place's mean, px", components_of(offs_px)),
+                                    each(sights, &RepeatedSight::at), offs_px),
+                    histogram("Scatter over what is stated", "pull, in stated deviations",
+                              components_of(each(sights, &RepeatedSight::pull)),
+                              {1.0, "the stated deviation"})});
 }
 
 std::optional<double> pull_rms(const std::vector<RepeatedSight>& sights) {
-  std::vector<double> pulls;
-  for (const RepeatedSight& sight : sights)
-    for (const double pull : sight.pull) pulls.push_back(pull);
-  return pulls.empty() ? std::nullopt : std::optional<double>(rms(pulls));
+  if (sights.empty()) return std::nullopt;
+  return rms(components_of(each(sights, &RepeatedSight::pull)));
 }
 
 void add_failures(const LocateReport& report, Verdict& verdict) {
@@ -150,22 +144,24 @@ void add_failures(const LocateReport& report, Verdict& verdict) {
   for (const LampStatus fine : {LampStatus::kOk, LampStatus::kBoardView}) counts.erase(fine);
   for (const auto& [status, count] : counts)
     if (static_cast<double>(count) > kFewFailures * static_cast<double>(images))
-      verdict.faults.push_back(
-          {fmt::format("{} of {} images are {}", count, images, name(status)), remedy_for(status)});
+      verdict.doubt(fmt::format("{} of {} images are {}", count, images, name(status)),
+                    remedy_for(status));
 }
 
-/// Names the images without lamps, the first ones of many.
-std::string failures_html(const LocateReport& report) {
+/// Lists what was found and names the images without lamps, the first ones of many.
+ReportList page_list(const LocateReport& report) {
   constexpr std::size_t kMostNamed = 50;
+  ReportList list = locate_list(report);
   std::size_t failures = 0;
-  TextTable table("Images without lamps", {"image", "status"});
-  for (const LampRow& row : report.rows) {
-    if (row.status == LampStatus::kOk || row.status == LampStatus::kBoardView) continue;
-    if (++failures <= kMostNamed) table.add_row({row.image, name(row.status)});
-  }
+  for (const LampRow& row : report.rows)
+    if (row.status != LampStatus::kOk && row.status != LampStatus::kBoardView)
+      if (++failures <= kMostNamed)
+        list.row("failures", {{"image", row.image}, {"status", name(row.status)}});
   if (failures > kMostNamed)
-    table.add_row({fmt::format("and {} more", failures - kMostNamed), "see the table itself"});
-  return failures > 0 ? table.html() : "";
+    list.row("failures", {{"", fmt::format("and {} more", failures - kMostNamed)},
+                          {"", "see the table itself"}});
+  list.show("failures", "Images without lamps");
+  return list;
 }
 
 }  // namespace
@@ -234,10 +230,10 @@ Verdict lamps_verdict(const LocateReport& report) {
   add_failures(report, verdict);
   const auto pulls = pull_rms(repeated_sights(report.rows));
   if (pulls && *pulls > kUnrest)
-    verdict.faults.push_back(
-        {fmt::format("images of one place scatter by {:.1f} times what is stated", *pulls),
-         "find what moves while the arm should rest: let it settle longer (servo.settle_ms), "
-         "fasten the camera"});
+    verdict.doubt(
+        fmt::format("images of one place scatter by {:.1f} times what is stated", *pulls),
+        "find what moves while the arm should rest: let it settle longer (servo.settle_ms), "
+        "fasten the camera");
   if (!verdict.faults.empty()) return verdict;
   auto counts = counts_of(report);
   verdict.good = fmt::format("{} of {} images show the lamps{}", counts[LampStatus::kOk],
@@ -251,32 +247,23 @@ Verdict lamps_verdict(const LocateReport& report) {
 
 std::string lamps_page(const LocateReport& report, const std::filesystem::path& file,
                        const std::optional<cv::Size>& sensor_px) {
-  HtmlPage page = page_about("Lamps", file);
-  page.add_verdict(lamps_verdict(report));
+  HtmlPage page = page_about("Lamps", file, lamps_verdict(report));
   const SeenLamps seen = seen_lamps(report.rows);
-  if (!seen.series.empty()) {
-    page.add_heading("Where the lamps were seen");
-    page.add_html(
-        plot_html({place_panel(seen, sensor_px), deviation_panel(seen, report.rows.size())}));
-    page.add_paragraph(
+  if (!seen.series.empty())
+    page.add_section(
+        "Where the lamps were seen",
+        plot_html({place_panel(seen, sensor_px), deviation_panel(seen, report.rows.size())}),
         "First: every lamp in the whole image; places that the arm reaches but no mark shows were "
         "not recorded. Second: how well the lamps of an image are known, as the image itself "
         "says.");
-  }
   const std::vector<RepeatedSight> sights = repeated_sights(report.rows);
-  if (!sights.empty()) {
-    page.add_heading("Several images of one place");
-    page.add_html(repeat_plot(sights, report.rows.size()));
-    page.add_paragraph(
+  if (!sights.empty())
+    page.add_section(
+        "Several images of one place", repeat_plot(sights, report.rows.size()),
         "First: how far a lamp is seen from its mean over the images of its place; a growing band "
         "shows that something has come loose. Second: the same in stated deviations, which is as "
         "wide as the curve where the stated ones are right.");
-  }
-  page.add_heading("In numbers");
-  page.add_html(locate_list(report).table("What was found").html());
-  page.add_html(failures_html(report));
-  add_provenance(page, file);
-  return page.text();
+  return ended_page(std::move(page), page_list(report), file);
 }
 
 }  // namespace planar

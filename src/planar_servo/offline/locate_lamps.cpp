@@ -14,6 +14,7 @@
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/lamps/lamp_tracker.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 
@@ -34,6 +35,39 @@ std::vector<const LampImage*> whole_frames(const std::vector<LampImage>& images,
   std::stable_sort(whole.begin(), whole.end(),
                    [](const LampImage* a, const LampImage* b) { return *a->t_s < *b->t_s; });
   return whole;
+}
+
+/// Holds an image that was read, or says why it was not.
+struct LampImageRead {
+  LampStatus status{LampStatus::kOk};  ///< or kBoardView, kUnreadable, kWrongSize
+  Frame frame;                         ///< valid only when status is kOk
+  std::string fault;                   ///< describes a wrong size in words
+};
+
+/// Reads an image as 8-bit grey levels. It must have the size of its region or, without one, that
+/// of the sensor if that is known.
+LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px) {
+  LampImageRead read;
+  if (image.shows_board) {
+    read.status = LampStatus::kBoardView;
+    return read;
+  }
+  read.frame.image = image.set->read(image.file);
+  if (read.frame.image.empty()) {
+    read.status = LampStatus::kUnreadable;
+    return read;
+  }
+  const cv::Size size = read.frame.image.size();
+  read.frame.region_px = image.region_px.value_or(cv::Rect({0, 0}, size));
+  read.frame.t_s = image.t_s.value_or(0.0);
+  const cv::Size expected = image.region_px ? image.region_px->size() : sensor_px.value_or(size);
+  if (size != expected) {
+    read.status = LampStatus::kWrongSize;
+    read.fault = fmt::format(
+        "{}: is {} x {} pixels; {} says {} x {}", image.file.string(), size.width, size.height,
+        image.region_px ? "frames.csv" : "the cell file", expected.width, expected.height);
+  }
+  return read;
 }
 
 Frame frame_of(const LampImage& image, const cv::Size& sensor_px) {
@@ -138,11 +172,9 @@ std::vector<ReferenceLamp> find_reference_lamps(const std::vector<ReferenceLampL
              lights.size(), n + 1, layout.size()),
          "uncover them, or name those that there are", "", Cause::kInsufficient});
   lights.resize(layout.size());
-  std::vector<ReferenceLamp> lamps;
-  lamps.reserve(lights.size());
-  for (const LampCenter& light : lights)
-    lamps.push_back({"", light.uv_px, std::sqrt(0.5 * light.covariance_px2.trace())});
-  return lamps;
+  return each(lights, [](const LampCenter& light) {
+    return ReferenceLamp{"", light.uv_px, std::sqrt(0.5 * light.covariance_px2.trace())};
+  });
 }
 
 /// Gives each lamp the id of the one that is stated where it is seen. Lamps of which a place is not
@@ -350,6 +382,12 @@ std::vector<ReferenceLamp> reference_lamps_in(const LocateRequest& request, Lamp
   return lamps;
 }
 
+std::vector<LampImage> as_one_set(std::vector<LampImage> images) {
+  const auto set = std::make_shared<const PictureSet>(each(images, &LampImage::file));
+  for (LampImage& image : images) image.set = set;
+  return images;
+}
+
 }  // namespace
 
 LocateReport locate_lamps(const LocateRequest& request) {
@@ -401,19 +439,6 @@ LocateReport locate_lamps_of_recording(const CellSettings& cell,
                        {}});
 }
 
-namespace {
-
-std::vector<LampImage> as_one_set(std::vector<LampImage> images) {
-  std::vector<std::filesystem::path> files;
-  files.reserve(images.size());
-  for (const LampImage& image : images) files.push_back(image.file);
-  const auto set = std::make_shared<const PictureSet>(files);
-  for (LampImage& image : images) image.set = set;
-  return images;
-}
-
-}  // namespace
-
 std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
                                            const std::vector<FrameRow>& frames,
                                            const std::optional<PlanarArm>& arm) {
@@ -427,35 +452,9 @@ std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
 }
 
 std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& files) {
-  std::vector<LampImage> images;
-  images.reserve(files.size());
-  for (const std::filesystem::path& file : files)
-    images.push_back({file.stem().string(), file.string(), file, {}, {}, {}});
-  return as_one_set(std::move(images));
-}
-
-LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px) {
-  LampImageRead read;
-  if (image.shows_board) {
-    read.status = LampStatus::kBoardView;
-    return read;
-  }
-  read.frame.image = image.set->read(image.file);
-  if (read.frame.image.empty()) {
-    read.status = LampStatus::kUnreadable;
-    return read;
-  }
-  const cv::Size size = read.frame.image.size();
-  read.frame.region_px = image.region_px.value_or(cv::Rect({0, 0}, size));
-  read.frame.t_s = image.t_s.value_or(0.0);
-  const cv::Size expected = image.region_px ? image.region_px->size() : sensor_px.value_or(size);
-  if (size != expected) {
-    read.status = LampStatus::kWrongSize;
-    read.fault = fmt::format(
-        "{}: is {} x {} pixels; {} says {} x {}", image.file.string(), size.width, size.height,
-        image.region_px ? "frames.csv" : "the cell file", expected.width, expected.height);
-  }
-  return read;
+  return as_one_set(each(files, [](const std::filesystem::path& file) {
+    return LampImage{file.stem().string(), file.string(), file, {}, {}, {}};
+  }));
 }
 
 }  // namespace planar

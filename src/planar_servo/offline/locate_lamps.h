@@ -43,17 +43,6 @@ std::vector<LampImage> images_of_recording(const std::filesystem::path& folder,
 /// Lists images of which nothing else is known. The id of each is its file's stem.
 std::vector<LampImage> single_images(const std::vector<std::filesystem::path>& files);
 
-/// Holds an image that was read, or says why it was not.
-struct LampImageRead {
-  LampStatus status{LampStatus::kOk};  ///< or kBoardView, kUnreadable, kWrongSize
-  Frame frame;                         ///< valid only when status is kOk
-  std::string fault;                   ///< describes a wrong size in words
-};
-
-/// Reads an image as 8-bit grey levels. It must have the size of its region or, without one, that
-/// of the sensor if that is known.
-LampImageRead read_lamp_image(const LampImage& image, const std::optional<cv::Size>& sensor_px);
-
 /// Says in which images lamps are to be located, and how.
 struct LocateRequest {
   std::vector<LampImage> images;

@@ -1,24 +1,29 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "planar_servo/base/io/yaml_writer.h"
 #include "planar_servo/report/html_page.h"
+#include "planar_servo/report/report_list.h"
 
 namespace planar {
 
-/// A verdict names it as a fault when more than this share was left out.
-constexpr double kFewLeftOut = 0.05;
+/// Names it as a fault when more than a twentieth was left out. `words` say what, and lead to "left
+/// out".
+void doubt_left_out(std::size_t left_out, std::size_t all, const std::string& words,
+                    Verdict& verdict);
 
-/// Begins a page about a file: its title is what the file is and its name.
-HtmlPage page_about(const std::string& what, const std::filesystem::path& file);
+/// Begins a page about a file with what it is, its name and a verdict.
+HtmlPage page_about(const std::string& what, const std::filesystem::path& file,
+                    const Verdict& verdict);
 
-/// Ends a page with the file that it is about and what that was made from, each with its hash.
-void add_provenance(HtmlPage& page, const std::filesystem::path& file,
-                    const std::vector<InputRecord>& inputs);
-/// Does so with what the file itself says it was made from.
-void add_provenance(HtmlPage& page, const std::filesystem::path& file);
+/// Ends it with what was found, and with the file and what that was made from, by what it says
+/// itself if not by `inputs`, each with its hash. Returns its text.
+std::string ended_page(HtmlPage page, const ReportList& found, const std::filesystem::path& file,
+                       const std::optional<std::vector<InputRecord>>& inputs = {});
 
 }  // namespace planar

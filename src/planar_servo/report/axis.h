@@ -35,6 +35,11 @@ struct Axis {
   Ticks ticks(int most) const;
 };
 
+/// The axes of a panel of places in the base frame, in millimetres: x to the right, y up.
+struct FieldAxes {
+  Axis x, y;
+};
+
 /// Gives values colours, from light for the least to dark for the largest: viridis [van der Walt
 /// and Smith 2015] turned round, whose lightness falls evenly, in grey print as well. Grey levels
 /// of an image are shown as the image has them, the least black.

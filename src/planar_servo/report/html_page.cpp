@@ -20,7 +20,7 @@ table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums}
 caption{text-align:left;font-weight:600;padding:.3rem 0}
 th,td{padding:.25rem .8rem;border-bottom:1px solid #ddd;text-align:right}
 thead th{vertical-align:bottom}tbody th{font-weight:400}
-th:first-child,td:first-child,.facts td{text-align:left}.facts :is(th,td){vertical-align:top}
+th:first-child,td:first-child,.facts td,.words :is(th,td):last-child{text-align:left}.facts :is(th,td){vertical-align:top}
 svg{max-width:100%;height:auto}figure{margin:1.5rem 0}figcaption{margin-bottom:.4rem}
 .panels{display:flex;flex-wrap:wrap;margin:1rem 0}.panels svg{display:block}nav>ul{columns:22rem}
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,22rem),1fr));gap:0 1.5rem}
@@ -111,6 +111,13 @@ std::string HtmlPage::contents() const {
 
 void HtmlPage::add_paragraph(const std::string& text) {
   body_ += fmt::format("<p>{}</p>\n", flowing(text));
+}
+
+void HtmlPage::add_section(const std::string& heading, const std::string& html,
+                           const std::string& words) {
+  add_heading(heading);
+  add_html(html);
+  add_paragraph(words);
 }
 
 void HtmlPage::add_verdict(const Verdict& verdict) {

@@ -19,6 +19,10 @@ struct Verdict {
   std::string good;  ///< what is said when there is no fault; a clause without a full stop
   std::vector<Refusal> faults{};  ///< clauses without a full stop
   std::string found{};  ///< said in either case, such as an accuracy; sentences but the last stop
+
+  void doubt(const std::string& fault, const std::string& remedy) {
+    faults.push_back({fault, remedy});
+  }
 };
 
 /// Builds one self-contained page from style, text, tables and inline SVG, which is well-formed XML
@@ -33,6 +37,8 @@ class HtmlPage {
   void add_contents();
   /// Adds a paragraph; line ends in the text stay line ends on the page.
   void add_paragraph(const std::string& text);
+  /// Adds a heading, HTML and a paragraph about it.
+  void add_section(const std::string& heading, const std::string& html, const std::string& words);
   /// Adds the verdict's sentence, and the remedies as a list.
   void add_verdict(const Verdict& verdict);
   /// Adds a piece that is HTML already: a table or an SVG plot.

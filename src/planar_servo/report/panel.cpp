@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "planar_servo/report/html_page.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
@@ -67,9 +68,8 @@ std::string mark_svg(const Eigen::Vector2d& p, double radius, const std::string&
     return fmt::format(
         "<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\" fill=\"{}\"/>\n", p.x(),
         p.y(), radius, color);
-  std::vector<Eigen::Vector2d> placed;
-  placed.reserve(corners.size());
-  for (const Eigen::Vector2d& corner : corners) placed.emplace_back(p + radius * corner);
+  const auto placed = each(
+      corners, [&](const Eigen::Vector2d& corner) { return Eigen::Vector2d(p + radius * corner); });
   return fmt::format("<path class=\"dot\" d=\"{}Z\" fill=\"{}\"/>\n", path_through(placed), color);
 }
 
@@ -175,9 +175,7 @@ void Panel::add_dots(const std::vector<Eigen::Vector2d>& points, const Paint& pa
 
 void Panel::add_line(const std::vector<Eigen::Vector2d>& points, Stroke stroke,
                      const std::string& color) {
-  std::vector<Eigen::Vector2d> placed;
-  placed.reserve(points.size());
-  for (const Eigen::Vector2d& p : points) placed.push_back(at(p));
+  const auto placed = each(points, [this](const Eigen::Vector2d& p) { return at(p); });
   marks_ += fmt::format("<path class=\"line{}\" stroke=\"{}\" d=\"{}\"{}/>\n",
                         stroke == Stroke::kDashed ? " dashed" : "", color, path_through(placed),
                         dashes_of(color));
@@ -203,21 +201,17 @@ void Panel::add_note(const std::string& note) {
   words_.push_back(note);
 }
 
-void Panel::add_key(const std::string& color, const std::string& what, Sample sample) {
-  const std::string line = fmt::format("<path class=\"line\" stroke=\"{}\" d=\"M0 -4 L26 -4\"{}/>",
-                                       color, dashes_of(color));
-  const bool is_line = sample == Sample::kLine;
-  legend_.push_back("<g class=\"key\">" + (is_line ? line : mark_svg({5.0, -4.0}, 4.0, color)) +
-                    "</g>" + text("tick", is_line ? 32.0 : 15.0, 0.0, "start", what));
-  words_.push_back(what);
-}
-
 void Panel::add_keys(const std::vector<Key>& keys) {
   std::string line, words;
   double x = 0.0;
-  for (const auto& [color, what] : keys) {
-    line += fmt::format("<g transform=\"translate({:.1f} 0)\"><g class=\"key\">{}</g>{}</g>", x,
-                        mark_svg({5.0, -4.0}, 4.0, color), text("tick", 15.0, 0.0, "start", what));
+  for (const auto& [color, what, sample] : keys) {
+    const bool is_line = sample == Sample::kLine;
+    line += fmt::format(
+        "<g transform=\"translate({:.1f} 0)\"><g class=\"key\">{}</g>{}</g>", x,
+        is_line ? fmt::format("<path class=\"line\" stroke=\"{}\" d=\"M0 -4 L26 -4\"{}/>", color,
+                              dashes_of(color))
+                : mark_svg({5.0, -4.0}, 4.0, color),
+        text("tick", is_line ? 32.0 : 15.0, 0.0, "start", what));
     words += (words.empty() ? "" : ", ") + what;
     x += plot_width_ / static_cast<double>(keys.size());
   }

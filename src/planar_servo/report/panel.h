@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planar_servo/report/axis.h"
@@ -43,6 +44,8 @@ class Panel {
   };
 
   Panel(std::string title, Axis x, Axis y, Aspect aspect = Aspect::kFree);
+  Panel(std::string title, const FieldAxes& axes)
+      : Panel(std::move(title), axes.x, axes.y, Aspect::kEqual) {}
 
   /// Returns the places at which add_field() wants a value: kFieldCells along each axis.
   std::vector<Eigen::Vector2d> field_places() const;
@@ -65,14 +68,17 @@ class Panel {
   void add_color_bar(const ColorScale& scale);
   /// Writes a line below the panel, as a legend.
   void add_note(const std::string& note);
+  enum class Sample { kMark, kLine };
   struct Key {
     std::string color, what;
+    Sample sample{Sample::kMark};
   };
   /// Writes several keys into one line of the legend, evenly spaced.
   void add_keys(const std::vector<Key>& keys);
-  enum class Sample { kMark, kLine };
   /// Says in the legend what the marks of a colour, or its lines, are.
-  void add_key(const std::string& color, const std::string& what, Sample sample = Sample::kMark);
+  void add_key(const std::string& color, const std::string& what, Sample sample = Sample::kMark) {
+    add_keys({{color, what, sample}});
+  }
 
   const std::string& title() const { return title_; }
   /// Returns what a reader who cannot see the panel must know: axes and legend, as sentences.

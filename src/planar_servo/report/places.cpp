@@ -1,22 +1,27 @@
 #include "planar_servo/report/places.h"
 
+#include <cmath>
+
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/report/panel.h"
 
 namespace planar {
 
+std::vector<Eigen::Vector2d> circle_of(const Eigen::Vector2d& center, double radius, int pieces) {
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i <= pieces; ++i) {
+    const double angle = 2.0 * kPi * i / pieces;
+    points.emplace_back(center + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  return points;
+}
+
 std::vector<Eigen::Vector2d> in_mm(const std::vector<Eigen::Vector2d>& metres) {
-  std::vector<Eigen::Vector2d> mm;
-  mm.reserve(metres.size());
-  for (const Eigen::Vector2d& p : metres) mm.emplace_back(p / kMillimetre);
-  return mm;
+  return each(metres, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(p / kMillimetre); });
 }
 
 std::vector<double> lengths_of(const std::vector<Eigen::Vector2d>& vectors) {
-  std::vector<double> lengths;
-  lengths.reserve(vectors.size());
-  for (const Eigen::Vector2d& vector : vectors) lengths.push_back(vector.norm());
-  return lengths;
+  return each(vectors, [](const Eigen::Vector2d& vector) { return vector.norm(); });
 }
 
 std::vector<double> components_of(const std::vector<Eigen::Vector2d>& vectors) {

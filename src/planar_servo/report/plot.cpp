@@ -134,16 +134,16 @@ std::vector<Panel> quiver_panels(const std::vector<QuiverPanel>& panels) {
   for (const QuiverPanel& panel : panels) {
     if (panel.points.empty() || panel.points.size() != panel.errors.size())
       throw std::invalid_argument("a quiver panel needs as many errors as points, at least one");
-    for (const Eigen::Vector2d& p : in_mm(panel.points)) all_points.push_back(p);
-    for (const Eigen::Vector2d& error : in_mm(panel.errors)) all_errors.push_back(error);
+    all_points.insert(all_points.end(), panel.points.begin(), panel.points.end());
+    all_errors.insert(all_errors.end(), panel.errors.begin(), panel.errors.end());
   }
-  const FieldAxes axes = axes_over_places(all_points);
-  const ArrowScale arrows = arrows_over(all_errors, "mm");
-  const ColorScale colors("error, mm", lengths_of(all_errors), ColorScale::Steps::kDecades);
+  const FieldAxes axes = axes_over_places(in_mm(all_points));
+  const ArrowScale arrows = arrows_over(in_mm(all_errors), "mm");
+  const ColorScale colors("error, mm", lengths_of(in_mm(all_errors)), ColorScale::Steps::kDecades);
   std::vector<Panel> drawn;
   for (const QuiverPanel& panel : panels) {
     const std::vector<Eigen::Vector2d> errors = in_mm(panel.errors);
-    drawn.emplace_back(panel.title, axes.x, axes.y, Panel::Aspect::kEqual);
+    drawn.emplace_back(panel.title, axes);
     drawn.back().add_arrows(in_mm(panel.points), errors, arrows, {"", &colors, lengths_of(errors)});
   }
   drawn.back().add_color_bar(colors);

@@ -7,7 +7,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/columns.h"
+#include "planar_servo/base/io/csv_fields.h"
 #include "planar_servo/report/html_page.h"
 
 namespace planar {
@@ -89,15 +92,6 @@ struct Field {
 
   std::string key, format, separator{", "};
 };
-
-/// Returns a text without the blanks that align it in lines of print.
-std::string without_padding(const std::string& text) {
-  std::string words;
-  for (const char c : text)
-    if (c != ' ' || (!words.empty() && words.back() != ' ')) words += c;
-  words.erase(words.find_last_not_of(' ') + 1);
-  return words;
-}
 
 std::string text_of(const Json& value, const std::string& format, const std::string& separator) {
   if (value.is_string())
@@ -197,23 +191,34 @@ void ReportList::add_rows(const std::string& key, std::vector<ReportList> rows, 
   Json& list = json_[key + key_suffix_] = Json::array();
   for (const ReportList& row : rows) {
     list.push_back(row.json_);
-    if (prefix != nullptr) print_row(row, prefix, between);
+    std::vector<std::string> cells;
+    for (const Line& cell : row.lines_)
+      if (cell.is_shown) cells.push_back(cell.text);
+    if (prefix != nullptr)
+      lines_.push_back(
+          {"", fmt::format("{}{}", prefix, fmt::join(cells, between)), true, Kind::kRow});
   }
   rows_[key] = std::move(rows);
 }
 
-void ReportList::row(const std::string& table, const ReportList& row) {
-  print_row(row, "", "");
-  rows_[table].push_back(row);
+void ReportList::row(const std::string& key, const Columns& csv,
+                     const std::vector<ShownColumn>& shown) {
+  ReportList& added = row(key);
+  for (const auto& [name, decimals] : shown) {
+    const auto field =
+        std::find_if(csv.written().begin(), csv.written().end(),
+                     [name = &name](const WrittenField& each) { return each.column == *name; });
+    if (field == csv.written().end()) throw std::logic_error("a table has no column " + name);
+    const bool is_number = field->kind == FieldKind::kNumber;
+    const auto number = is_number ? finite_number(field->text) : std::nullopt;
+    std::string head = name;
+    std::replace(head.begin(), head.end(), '_', ' ');
+    added.line_if(!is_number || number, head, number ? fixed(*number, decimals) : field->text);
+  }
 }
 
-void ReportList::print_row(const ReportList& row, const char* prefix, const char* between) {
-  std::vector<std::string> cells;
-  for (const Line& cell : row.lines_)
-    if (cell.is_shown) cells.push_back(cell.text);
-  std::string text = fmt::format("{}{}", prefix, fmt::join(cells, between));
-  text.erase(text.find_last_not_of(' ') + 1);
-  lines_.push_back(row_of(text));
+void ReportList::show(const std::string& key, const std::string& title, Shown where) {
+  lines_.push_back({title, key, where == Shown::kAlsoInPrint, Kind::kTable});
 }
 
 bool ReportList::has_rows(const std::string& key) const {
@@ -223,32 +228,50 @@ bool ReportList::has_rows(const std::string& key) const {
 
 std::string ReportList::text() const {
   std::string text;
-  for (const Line& line : lines_)
-    if (line.is_shown)
-      text += fmt::format(line.name.empty() ? "{}{}\n" : "{:<20}{}\n", line.name, line.text);
+  for (const auto& [name, content, is_shown, kind] : lines_) {
+    if (!is_shown) continue;
+    if (kind != Kind::kTable)
+      text += fmt::format(name.empty() ? "{}{}\n" : "{:<20}{}\n", name, content);
+    else if (has_rows(content))
+      text += (text.empty() ? "" : "\n") + table(content).plain_text();
+  }
   return text;
 }
 
-TextTable ReportList::table(const std::string& title) const {
+TextTable ReportList::facts(const std::string& title) const {
   TextTable table(title, {"", ""});
   for (const Line& line : lines_)
-    if (line.is_shown && !line.is_row) table.add_row({line.name, without_padding(line.text)});
+    if (line.is_shown && line.kind == Kind::kFact) table.add_row({line.name, line.text});
   return table;
 }
 
-TextTable ReportList::table(const std::string& title, const std::string& key) const {
+TextTable ReportList::table(const std::string& key) const {
+  const auto named = std::find_if(lines_.begin(), lines_.end(), [&](const Line& line) {
+    return line.kind == Kind::kTable && line.text == key;
+  });
+  if (named == lines_.end()) throw std::logic_error("a table has no title: " + key);
   const std::vector<ReportList>& rows = rows_.at(key);
   std::vector<std::string> names;
-  if (!rows.empty())
-    for (const Line& cell : rows.front().lines_) names.push_back(cell.name);
-  TextTable table(title, names);
+  for (const Line& cell : rows.at(0).lines_) names.push_back(cell.name);
+  TextTable table(named->name, names);
   for (const ReportList& row : rows) {
     std::vector<std::string> cells;
-    for (const Line& cell : row.lines_)
-      cells.push_back(cell.is_shown ? without_padding(cell.text) : "–");
+    for (const Line& cell : row.lines_) cells.push_back(cell.is_shown ? cell.text : "–");
+    cells.resize(std::max(cells.size(), names.size()));
     table.add_row(std::move(cells));
   }
   return table;
+}
+
+std::string ReportList::table_html(const std::string& key) const {
+  return has_rows(key) ? table(key).html() : "";
+}
+
+std::string ReportList::html(const std::string& title) const {
+  std::string html = facts(title).html();
+  for (const Line& line : lines_)
+    if (line.kind == Kind::kTable) html += table_html(line.text);
+  return html;
 }
 
 }  // namespace planar

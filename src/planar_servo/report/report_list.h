@@ -6,9 +6,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace planar {
+
+class Columns;
 
 /// A small table for people: a title, a header and rows of ready text. The first column names the
 /// rows and is aligned left, the others right. Where no column has a name, the table lists facts.
@@ -28,6 +31,12 @@ class TextTable {
   std::string title_;
   std::vector<std::string> header_;
   std::vector<std::vector<std::string>> rows_;
+};
+
+/// A column of a CSV table for people: its name there, and the decimals of its numbers.
+struct ShownColumn {
+  std::string name;
+  int decimals{0};
 };
 
 /// The results of a program, each figure listed once: the name and the words that people read, the
@@ -70,11 +79,13 @@ class ReportList {
   void append(const ReportList& other);
   /// Adds the figures of another list without its lines.
   void append_figures(const ReportList& other) { json_.update(other.json_); }
-  /// Adds a line that is only printed, above rows; a table has the names of its columns instead.
-  void row_heads(const std::string& text) { lines_.push_back(row_of(text)); }
-  /// Adds the lines of `row` as the cells of a table's next row. They are printed side by side as
-  /// their formats pad them. Its figures are not added.
-  void row(const std::string& table, const ReportList& row);
+  /// Begins another row of a table, whose figures are not added, and returns it.
+  ReportList& row(const std::string& key) { return rows_[key].emplace_back(); }
+  /// Adds a row of ready texts behind their columns' names, of which those of the first row count.
+  void row(const std::string& key, const std::vector<std::pair<std::string, std::string>>& cells) {
+    ReportList& added = row(key);
+    for (const auto& [name, text] : cells) added.line(name, text);
+  }
   /// Adds a list for each of these items, of which `list_item(row, item)` lists the cells. With
   /// `prefix`, each is printed as a line behind it, with `between` between its cells.
   template <typename Items, typename ListItem>
@@ -84,24 +95,31 @@ class ReportList {
     for (const auto& item : items) list_item(rows.emplace_back(), item);
     add_rows(key, std::move(rows), prefix, between);
   }
+  /// Adds a row with these columns of a CSV table's row, which have their names there, with blanks.
+  void row(const std::string& key, const Columns& csv, const std::vector<ShownColumn>& shown);
+  enum class Shown { kOnPage, kAlsoInPrint };
+  /// Has the rows under a key shown as a table, unless there are none. The first one's names are
+  /// the columns, a dash is not known.
+  void show(const std::string& key, const std::string& title, Shown where = Shown::kOnPage);
 
   std::string text() const;
   const nlohmann::json& json() const { return json_; }
   /// Returns the lines but those of rows as a table of names and texts.
-  TextTable table(const std::string& title) const;
-  bool has_rows(const std::string& key) const;
-  /// Returns the rows under a key: the first one's names are the columns, a dash is not known.
-  TextTable table(const std::string& title, const std::string& key) const;
+  TextTable facts(const std::string& title) const;
+  /// Returns the table of the rows under a key that show() has named.
+  TextTable table(const std::string& key) const;
+  /// Returns it for a page; empty without rows.
+  std::string table_html(const std::string& key) const;
+  /// Returns facts() and all such tables for a page.
+  std::string html(const std::string& title) const;
 
  private:
+  enum class Kind { kFact, kRow, kTable };
   struct Line {
-    std::string name, text;
+    std::string name, text;  ///< of a table its title and its key
     bool is_shown;
-    bool is_row{false};
+    Kind kind{Kind::kFact};
   };
-  static Line row_of(const std::string& text) {
-    return {"", text, /*is_shown=*/true, /*is_row=*/true};
-  }
 
   template <typename Value>
   static nlohmann::json json_of(const Value& value) {
@@ -120,7 +138,7 @@ class ReportList {
            const std::vector<nlohmann::json>& values);
   void add_rows(const std::string& key, std::vector<ReportList> rows, const char* prefix,
                 const char* between);
-  void print_row(const ReportList& row, const char* prefix, const char* between);
+  bool has_rows(const std::string& key) const;
   /// Keeps a figure that has a value under its key and returns it in the key's unit.
   nlohmann::json keep(const std::string& key, nlohmann::json value);
 
@@ -129,5 +147,11 @@ class ReportList {
   nlohmann::json json_ = nlohmann::json::object();
   std::map<std::string, std::vector<ReportList>> rows_;
 };
+
+/// Returns a part of what may be absent.
+template <typename Whole, typename Part>
+std::optional<Part> part_of(const std::optional<Whole>& whole, Part Whole::*part) {
+  return whole ? std::optional<Part>(*whole.*part) : std::nullopt;
+}
 
 }  // namespace planar

@@ -21,11 +21,7 @@ struct ErrorSeries {
   const std::vector<TargetResult>& results;
   TargetError error;
 
-  std::vector<double> lengths_mm() const {
-    std::vector<double> lengths = error_lengths(results, error);
-    for (double& length : lengths) length /= kMillimetre;
-    return lengths;
-  }
+  std::vector<double> lengths_mm() const { return each(error_lengths(results, error), mm); }
 };
 
 std::vector<ErrorSeries> series_of(const ExperimentReport& report) {
@@ -45,16 +41,13 @@ Axis error_axis(const ExperimentReport& report) {
 std::vector<Panel> target_panels(const ExperimentReport& report) {
   std::vector<Eigen::Vector2d> all;
   for (const ControlCircle& circle : report.circles)
-    for (const TargetRow& target : circle.targets) all.push_back(target.p_d / kMillimetre);
-  const FieldAxes axes = axes_over_places(all);
-  Panel panel("Targets", axes.x, axes.y, Panel::Aspect::kEqual);
+    for (const TargetRow& target : circle.targets) all.push_back(target.p_d);
+  Panel panel("Targets", axes_over_places(in_mm(all)));
   for (std::size_t i = 0; i < report.circles.size(); ++i) {
     const ControlCircle& circle = report.circles[i];
-    std::vector<Eigen::Vector2d> places;
-    for (const TargetRow& target : circle.targets) places.push_back(target.p_d / kMillimetre);
     const char* color = kSeriesColors[i % std::size(kSeriesColors)];
-    panel.add_dots(places, {color}, 3.4);
-    panel.add_key(color, fmt::format("{} targets about ({:.0f}, {:.0f}) mm", places.size(),
+    panel.add_dots(in_mm(each(circle.targets, &TargetRow::p_d)), {color}, 3.4);
+    panel.add_key(color, fmt::format("{} targets about ({:.0f}, {:.0f}) mm", circle.targets.size(),
                                      mm(circle.center.x()), mm(circle.center.y())));
   }
   panel.add_dots({{0.0, 0.0}}, {"#111"}, 4.0);
@@ -152,30 +145,28 @@ std::vector<ReportPlot> control_plots(const ExperimentReport& report) {
                  before_after_panels(report))};
 }
 
-std::optional<ReportPlot> coverage_plot(const ExperimentReport& report) {
-  if (!report.recorded || report.recorded->training.empty()) return std::nullopt;
-  std::vector<Eigen::Vector2d> places, targets;
-  for (const TrainingPlace& place : report.recorded->training) places.push_back(place.p_vision);
-  for (const TargetResult& result : report.ours) targets.push_back(result.p_d);
+std::vector<ReportPlot> coverage_plot(const ExperimentReport& report) {
+  if (!report.recorded || report.recorded->training.empty()) return {};
+  const auto places = each(report.recorded->training, &PairRow::p_vision);
+  const auto targets = each(report.ours, &TargetResult::p_d);
   std::vector<Eigen::Vector2d> all = places;
   all.insert(all.end(), targets.begin(), targets.end());
-  const FieldAxes axes = axes_over_places(in_mm(all));
-  Panel panel("Training places and targets", axes.x, axes.y, Panel::Aspect::kEqual);
+  Panel panel("Training places and targets", axes_over_places(in_mm(all)));
   panel.add_dots(in_mm(places), {kSeriesColors[0]}, 2.4);
   panel.add_dots(in_mm(targets), {kSeriesColors[1]}, 3.0);
   panel.add_key(kSeriesColors[0], fmt::format("{} training places", places.size()));
   panel.add_key(kSeriesColors[1], fmt::format("{} targets", targets.size()));
-  return ReportPlot{"coverage.svg",
-                    "Where the cell was learned and where it was used",
-                    "Look for targets far from every training place: there the map continues what "
-                    "it learned elsewhere.",
-                    {panel}};
+  return {ReportPlot{"coverage.svg",
+                     "Where the cell was learned and where it was used",
+                     "Look for targets far from every training place: there the map continues what "
+                     "it learned elsewhere.",
+                     {panel}}};
 }
 
-std::optional<ReportPlot> spread_plot(const ExperimentReport& report) {
+std::vector<ReportPlot> spread_plot(const ExperimentReport& report) {
   for (const ErrorSeries& series : series_of(report))
-    if (series.lengths_mm().empty()) return std::nullopt;
-  return ReportPlot{
+    if (series.lengths_mm().empty()) return {};
+  return {ReportPlot{
       "spread.svg",
       "How the errors are spread",
       "First, all four ways of positioning on one scale of decades: a curve further left is "
@@ -183,11 +174,11 @@ std::optional<ReportPlot> spread_plot(const ExperimentReport& report) {
       "each on a scale of its own, with a normal curve of the same rms: a histogram that "
       "is not about zero has an error in common to many targets.",
       {cumulative_panel(report), component_histogram("The paper's chain", report.paper),
-       component_histogram("Ours", report.ours)}};
+       component_histogram("Ours", report.ours)}}};
 }
 
-std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
-                                           const std::vector<StepError>& paper) {
+std::vector<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
+                                         const std::vector<StepError>& paper) {
   std::vector<double> errors_mm;
   int most = 1;
   for (const auto* steps : {&ours, &paper})
@@ -195,10 +186,10 @@ std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
       most = std::max(most, step.step);
       if (step.error && *step.error > 0.0) errors_mm.push_back(mm(*step.error));
     }
-  if (errors_mm.empty()) return std::nullopt;
+  if (errors_mm.empty()) return {};
   const Axis corrections{"corrections made", -0.3, most + 0.3};
   const Axis errors = decades_over("error by its own view, mm", errors_mm);
-  return ReportPlot{
+  return {ReportPlot{
       "convergence.svg",
       "How the loop converges at each target",
       "A line for each target: the distance to it as the chain's own compensated vision sees it, "
@@ -207,7 +198,7 @@ std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
       "is aimed by the arm that was found and begins close to the target. What vision cannot see "
       "is not in this figure, but in the errors above.",
       {way_panel("The paper's chain", corrections, errors, paper, kSeriesColors[1]),
-       way_panel("Ours", corrections, errors, ours, kSeriesColors[0])}};
+       way_panel("Ours", corrections, errors, ours, kSeriesColors[0])}}};
 }
 
 }  // namespace planar

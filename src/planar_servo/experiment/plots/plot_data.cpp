@@ -99,8 +99,7 @@ PlotData plot_data(const CalibratedChain& paper, const ExperimentPlan& plan,
                              predict_error(data.rbf, pair->p_vision, pair->phi)});
   }
   for (const PairRow& pair : paper.pairs)
-    if (pair.plan == Purpose::kTrain && pair.is_attended())
-      data.training.push_back({pair.p_vision, pair.error()});
+    if (pair.plan == Purpose::kTrain && pair.is_attended()) data.training.push_back(pair);
   return data;
 }
 

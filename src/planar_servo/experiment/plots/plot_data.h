@@ -28,6 +28,8 @@ struct CirclePlace {
   int index{0};  ///< number along the circle, from 0
   Eigen::Vector2d p_plan{0.0, 0.0}, p_vision{0.0, 0.0}, p_tracker{0.0, 0.0};
 
+  Eigen::Vector2d seen_beside_plan() const { return p_vision - p_plan; }
+  Eigen::Vector2d read_beside_plan() const { return p_tracker - p_plan; }
   Eigen::Vector2d vision_error() const { return p_vision - p_tracker; }
 };
 
@@ -39,17 +41,12 @@ struct PredictedPlace {
   Eigen::Vector2d measured{0.0, 0.0}, by_idw{0.0, 0.0}, by_rbf{0.0, 0.0};
 };
 
-/// A place that the maps were fitted to.
-struct TrainingPlace {
-  Eigen::Vector2d p_vision{0.0, 0.0}, error{0.0, 0.0};
-};
-
 /// Records of the paper's chain for the paper's figures. Errors are vision minus tracker, metres,
 /// before any map.
 struct PlotData {
   std::vector<LampEdges> lamps;  ///< both lamps at one place; none when its image is gone
   std::vector<CirclePlace> circles;
-  std::vector<TrainingPlace> training;
+  std::vector<PairRow> training;  ///< to which the maps were fitted
   std::vector<PredictedPlace> checks;
   ErrorMap idw, rbf;
 };

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,31 +28,22 @@ inline ReportPlot paper_plot(int number, const std::string& what, const std::str
           caption, std::move(panels)};
 }
 
-/// Returns the paper's Figure 6: edge points and fitted circles of both lamps; none without lamps.
-std::optional<ReportPlot> lamp_plot(const std::vector<LampEdges>& lamps);
-
-/// Returns the paper's Figures 7 to 11, on the circles that are gone round several times: where
-/// they are, by how much vision and tracker find the arm beside the plan, by how much they differ,
-/// and how alike that is between the runs. None without places.
-std::vector<ReportPlot> circle_plots(const std::vector<CirclePlace>& places);
-
-/// Returns the paper's Figures 13 to 16: the vision error at the training places, over the field as
-/// inverse distance weighting and as radial basis functions predict it, and measured against
-/// predicted along the check circles.
-std::vector<ReportPlot> map_plots(const PlotData& data);
+/// Returns those of the paper's Figures 6 to 16 for which there are data: edge points of the lamps,
+/// the circles that are gone round several times, and the maps.
+std::vector<ReportPlot> paper_plots(const PlotData& data);
 
 /// Returns where the maps were learned beside the targets; none without training places.
-std::optional<ReportPlot> coverage_plot(const ExperimentReport& report);
+std::vector<ReportPlot> coverage_plot(const ExperimentReport& report);
 
 /// Returns the paper's Figures 18 and 19: the targets, and their true errors before and after.
 std::vector<ReportPlot> control_plots(const ExperimentReport& report);
 
 /// Returns histograms and cumulative curves of the true errors.
-std::optional<ReportPlot> spread_plot(const ExperimentReport& report);
+std::vector<ReportPlot> spread_plot(const ExperimentReport& report);
 
 /// Returns the error by the servo's own view over the corrections, of both chains; none without
 /// steps.
-std::optional<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
-                                           const std::vector<StepError>& paper);
+std::vector<ReportPlot> convergence_plot(const std::vector<StepError>& ours,
+                                         const std::vector<StepError>& paper);
 
 }  // namespace planar

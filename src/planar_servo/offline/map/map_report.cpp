@@ -32,43 +32,34 @@ std::array<double, 2> interval_of(const RmsEstimate& estimate) {
 ReportList cell_list(const CellDiagnosis& cell) {
   ReportList list;
   if (cell.terms.empty()) return list;
-  list.row_heads("\nfaults of the cell                                    rms, mm");
   for (const CellTerm& term : cell.terms) {
     const CellFaultName& name = name_of(term.fault);
-    ReportList row;
-    row.line("", fmt::format("{:<20}", name.label));
-    row.line("value", fmt::format(" {{value:>10.4g}} +- {{sigma:<8.3g}} {:<7}", name.unit_text),
+    ReportList& row = list.row("cell");
+    row.line("fault", name.label);
+    row.line("value", std::string("{value:.4g} +- {sigma:.3g} ") + name.unit_text,
              term.value / name.unit, term.sigma / name.unit);
-    row.line("rms over the field, mm", " {rms_mm:>7.4f}", term.rms);
-    row.line("significant", term.significant ? "  significant" : "");
+    row.line("rms over the field, mm", "{rms_mm:.4f}", term.rms);
+    row.line("significant", term.significant ? "significant" : "");
     row.unprinted("significant", term.significant);
-    list.row("cell", row);
     list.unprinted(name.key, row.json());
   }
-  ReportList left;
-  left.line("", "left by all of these");
-  left.line("value", "");
-  left.line("rms over the field, mm", fmt::format("{:>39.4f}", mm(cell.left_rms)));
-  left.line("significant", "");
-  list.row("cell", left);
+  list.row("cell", {{"", "left by all of these"}, {"", ""}, {"", fixed(mm(cell.left_rms), 4)}});
+  list.show("cell", "Faults of the cell", ReportList::Shown::kAlsoInPrint);
   return list;
 }
 
 void list_comparison(ReportList& list, const std::vector<MethodFigures>& comparison) {
-  list.row_heads("\nrms, mm        left out: one   a block of neighbours (95 % interval)");
-  const auto list_method = [](ReportList& row, const MethodFigures& method) {
-    row.line("method",
-             std::isfinite(method.loo_rms)
-                 ? "{method:<14} "
-                 : "{method:<14}             -   its equations cannot be solved",
-             method.method);
-    row.line("one place left out, mm rms", "{loo_rms_mm:>13.4f}", method.loo_rms);
-    row.line("a block of neighbours left out, mm rms", "   {blocked_rms_mm:>8.4f}",
-             method.blocked.value);
+  list.rows("comparison", comparison, [](ReportList& row, const MethodFigures& method) {
+    row.line(
+        "method",
+        std::isfinite(method.loo_rms) ? "{method}" : "{method}: its equations cannot be solved",
+        method.method);
+    row.line("one place, mm rms", "{loo_rms_mm:.4f}", method.loo_rms);
+    row.line("a block of neighbours, mm rms", "{blocked_rms_mm:.4f}", method.blocked.value);
     row.line_if(std::isfinite(method.blocked.value), "its 95 % interval, mm",
-                "  ({blocked_rms_95_mm:.4f| to })", interval_of(method.blocked));
-  };
-  list.rows("comparison", comparison, list_method, "", "");
+                "{blocked_rms_95_mm:.4f| to }", interval_of(method.blocked));
+  });
+  list.show("comparison", "Methods, compared at places left out", ReportList::Shown::kAlsoInPrint);
 }
 
 /// Says how much of the noise the pairs of a place have in common, if places have several.
@@ -91,8 +82,8 @@ void list_readings(ReportList& list, const LampFieldFit& fit) {
             "{n_readings}, and {n_unattended} poses without a reading ({n_rejected} left out)",
             fit.n_readings, fit.n_unattended, fit.left_out.size());
   list.unprinted("n_used", fit.n_readings + fit.n_unattended - fit.left_out.size());
-  if (!fit.left_out.empty())
-    list.row_heads(fmt::format("  contradicting the others: {}", fmt::join(fit.left_out, ", ")));
+  list.line_if(!fit.left_out.empty(), "left out",
+               fmt::format("{}: they contradict the others", fmt::join(fit.left_out, ", ")));
   list.rows("rejected", fit.left_out, [](ReportList& row, const std::string& id) {
     row.line("pair", "{id}", id);
     row.line("why", "{reason}", "contradicts the others");
@@ -118,48 +109,38 @@ void list_held_out(ReportList& list, const HeldOut& judged) {
 
 /// Says how the ways to predict the error compare.
 void list_comparison(ReportList& list, const LampFieldFit& fit) {
-  list.row_heads("");
-  if (!fit.compared.empty())
-    list.row_heads("at places left out            mm rms   within stated 95 %");
-  const auto list_way = [&fit](ReportList& row, const ComparedField& way) {
+  list.rows("compared", fit.compared, [&fit](ReportList& row, const ComparedField& way) {
     const bool is_taken = way.rms == fit.held_out.rms;
-    row.line("way", "{name:<30}", way.name);
-    row.line("places left out, mm rms", "{loo_rms_mm:.4f}   ", way.rms);
+    row.line("way", "{name}", way.name);
+    row.line("mm rms", "{loo_rms_mm:.4f}", way.rms);
     row.line("within their stated 95 %", "{coverage_95:.1%}", way.coverage_95);
-    row.line("taken", is_taken ? "  taken" : "");
+    row.line("taken", is_taken ? "taken" : "");
     row.unprinted("taken", is_taken);
-  };
-  list.rows("compared", fit.compared, list_way, "", "");
-  if (!fit.compared.empty()) list.row_heads("");
+  });
+  list.show("compared", "Ways to predict the error, compared at places left out",
+            ReportList::Shown::kAlsoInPrint);
 }
 
 /// Says what each source added and what fixed the field as a whole.
 void list_sources(ReportList& list, const LampFieldFit& fit) {
-  list.row_heads("source              how much                  end point known without it to");
-  const auto list_source = [](ReportList& row, const SourceWorth& source) {
-    row.line("source", "{source:<20}", source.name);
-    row.line("how much", "{amount:<26}", source.amount);
+  list.rows("sources", fit.sources, [](ReportList& row, const SourceWorth& source) {
+    row.line("source", "{source}", source.name);
+    row.line("how much", "{amount}", source.amount);
     row.line("end point known without it to", "{end_point_without_mm:.4f} mm",
              source.end_point_without);
-  };
-  list.rows("sources", fit.sources, list_source, "", "");
-  ReportList with_all;
-  with_all.line("source", fmt::format("{:<20}", "(with all)"));
-  with_all.line("how much", fmt::format("{:<26}", ""));
-  with_all.line("end point known without it to", "{end_point_sigma_mm:.4f} mm",
-                fit.certainty.end_point);
-  list.row("sources", with_all);
-  list.append_figures(with_all);
-  list.row_heads("as a whole          fixed by                  standard deviation");
+  });
+  list.row("sources",
+           {{"", "(with all)"}, {"", ""}, {"", fixed(mm(fit.certainty.end_point), 4) + " mm"}});
+  list.unprinted("end_point_sigma_mm", fit.certainty.end_point);
+  list.show("sources", "What each source is worth", ReportList::Shown::kAlsoInPrint);
   ReportList fixed_by;
   const auto list_fixed = [&](const char* what, FieldSource source, const std::string& text,
                               const auto&... sigma) {
-    ReportList row;
-    fixed_by.unprinted(what, name_in(kFieldSources, source));
-    row.line("of the field", fmt::format("{:<20}", what));
-    row.line("fixed by", fmt::format("{:<26}", name_in(kFieldSources, source)));
+    ReportList& row = list.row("fixed_by");
+    row.line("of the field", what);
+    row.line("fixed by", name_in(kFieldSources, source));
     row.line("standard deviation", text, sigma...);
-    list.row("fixed_by", row);
+    fixed_by.unprinted(what, name_in(kFieldSources, source));
     list.append_figures(row);
   };
   list_fixed("scale", fit.fixed_by.scale, "{scale_sigma_ppm:.1f} ppm", fit.certainty.scale);
@@ -169,84 +150,8 @@ void list_sources(ReportList& list, const LampFieldFit& fit) {
   else
     list_fixed("turn", fit.fixed_by.turn, "{turn_sigma_deg:.5f} deg", fit.certainty.turn);
   list.part("fixed_by", fixed_by);
+  list.show("fixed_by", "What fixes the field as a whole", ReportList::Shown::kAlsoInPrint);
 }
-
-}  // namespace
-
-ReportList map_fit_list(const FitErrorMapReport& report,
-                        const std::vector<MethodFigures>& comparison) {
-  const MapResult& result = report.result;
-  ReportList list;
-  list.line_if(report.n_other_plans > 0, "left for checking",
-               "{n_other_plans} pairs whose plan is not train", report.n_other_plans);
-  list.line_if(report.n_unattended > 0, "unattended",
-               "{n_unattended} poses without a tracker reading, not used", report.n_unattended);
-  list.line("pairs used", "{n_used} ({n_rejected} rejected)", result.n_used,
-            result.rejected.size());
-  const auto list_rejected = [](ReportList& row, const RejectedSample& sample) {
-    row.line("pair", "{id}", sample.id);
-    row.line("why", "{reason}", sample.reason);
-    row.unprinted("residual_mm", sample.residual);
-  };
-  list.rows("rejected", result.rejected, list_rejected, "  ");
-  list.line("method", "{method}", name(kind_of(result.map)));
-  list.line("vision error", "{raw_rms_mm:.4f} mm rms", result.raw_rms);
-  list.line("leave-one-out", "{loo_rms_mm:.4f} mm rms", result.loo_rms);
-  list.unprinted("idw_loo_rms_mm", result.idw_loo_rms);
-  list.line("within stated 95 %", "{coverage_95:.1%} of what places left out show",
-            result.coverage_95);
-  list.line("noise", "{noise_mm:.4f} mm per axis", result.noise_sigma);
-  list_places(list, result);
-  if (const auto bias = tool_bias(result.map))
-    list.line("in the tool's frame", "{tool_bias_mm:.4f| } +- {tool_bias_sigma_mm:.4f} mm, used",
-              bias->t, bias->sigma);
-  list.line("gain",
-            result.worth_using ? "{gain:.1%}, worth using"
-                               : "{gain:.1%}, NOT significant: do not use this map",
-            result.gain());
-  list.unprinted("worth_using", result.worth_using);
-  list.line("in a gap",
-            result.blocked.value < result.raw_rms
-                ? "{blocked_rms_mm:.4f} mm rms where {gap_mm:.1f} mm are without pairs"
-                : "{blocked_rms_mm:.4f} mm rms where {gap_mm:.1f} mm are without pairs, no better "
-                  "than without the map",
-            result.blocked.value, result.gap);
-  list.unprinted("blocked_rms_95_mm", interval_of(result.blocked));
-  list.part("cell", cell_list(result.cell));
-  list_comparison(list, comparison);
-  list.unprinted("fit_seconds", report.fit_seconds);
-  return list;
-}
-
-ReportList lamp_field_list(const LampFieldFit& fit) {
-  ReportList list;
-  list_readings(list, fit);
-  if (fit.end_point_map)
-    list.line("method", "{method} at the end point", name(kind_of(fit.end_point_map->map)));
-  else
-    list.line("method", "{method}, {harmonics} harmonics of each reducer", kLampFieldMethod,
-              fit.estimate.size.harmonics);
-  list_held_out(list, fit.held_out);
-  list.line("noise of a lamp", "{lamp_noise_factor:.2f} times what the pairs state",
-            fit.estimate.priors.lamp_factor);
-  list.unprinted("noise_mm", fit.noise_sigma);
-  list_comparison(list, fit);
-  if (!fit.end_point_map) list_sources(list, fit);  // which are of the field
-  list.row_heads("");
-  const std::vector<std::string> sentences = arm_in_words(fit.estimate);
-  for (const std::string& sentence : sentences) {
-    ReportList row;
-    row.line("finding", sentence);
-    list.row("arm_in_words", row);
-  }
-  list.unprinted("arm_in_words", sentences);
-  list.unprinted("scatter_mm", fit.estimate.priors.arm_sigma);
-  list.row_heads("\nthe arm, as found from the poses");
-  list.part("arm", arm_terms_list(fit.estimate));
-  return list;
-}
-
-namespace {
 
 /// The share of components within their stated 95 % that does not count as a wrong statement.
 constexpr double kLeastCoverage = 0.85;
@@ -257,13 +162,7 @@ std::vector<Eigen::Vector2d> columns_of(const Eigen::Matrix2Xd& matrix) {
   return columns;
 }
 
-void add_left_out_pairs(std::size_t left_out, std::size_t all, Verdict& verdict) {
-  if (static_cast<double>(left_out) > kFewLeftOut * static_cast<double>(all))
-    verdict.faults.push_back(
-        {fmt::format("{} of {} pairs contradict the others and were left out", left_out, all),
-         "look at the images and readings of the pairs that are named below, and record these "
-         "places again"});
-}
+constexpr char kContradicting[] = "pairs contradict the others and were";
 
 const Refusal kUseless{
     "the map is not worth using: between its places it removes too little of the error, or no more "
@@ -337,8 +236,7 @@ void add_hull(Panel& panel, const ValidRegion& region) {
 
 std::string field_plot(const MapView& view) {
   const FieldAxes axes = axes_over_places(in_mm(view.places));
-  Panel error("The error that the map predicts", axes.x, axes.y, Panel::Aspect::kEqual);
-  Panel uncertainty("How uncertain it is", axes.x, axes.y, Panel::Aspect::kEqual);
+  Panel error("The error that the map predicts", axes), uncertainty("How uncertain it is", axes);
   const FieldValues values = field_values(view, error.field_places());
   const ColorScale sizes("size of the error, mm", values.sizes);
   error.add_field(values.sizes, sizes);
@@ -368,9 +266,8 @@ Panel left_histogram(const MapView& view) {
 
 /// The share of the places left out that each way misses by no more than a given length.
 Panel comparison_panel(const std::vector<ComparedField>& ways) {
-  std::vector<double> far_mm;
-  far_mm.reserve(ways.size() + 1);
-  for (const ComparedField& way : ways) far_mm.push_back(mm(quantile(way.misses, 0.95)));
+  std::vector<double> far_mm =
+      each(ways, [](const ComparedField& way) { return mm(quantile(way.misses, 0.95)); });
   far_mm.push_back(0.0);
   const Axis miss = axis_over("missed by at most, mm", far_mm);
   Panel panel("What was compared at places left out", miss,
@@ -389,17 +286,6 @@ Panel comparison_panel(const std::vector<ComparedField>& ways) {
   return panel;
 }
 
-/// The tables of a list's rows, as far as there are any.
-constexpr std::pair<const char*, const char*> kTables[] = {
-    {"compared", "Ways to predict the error, compared at places left out"},
-    {"comparison", "Methods, compared at places left out"},
-    {"sources", "What each source is worth"},
-    {"fixed_by", "What fixes the field as a whole"},
-    {"cell", "Faults of the cell"},
-    {"arm_in_words", "Further findings on the arm"},
-    {"terms", "The arm, as found from the poses"},
-    {"rejected", "Left out"}};
-
 QuiverPanel quiver_of(const std::string& what, const std::vector<Eigen::Vector2d>& places,
                       const std::vector<Eigen::Vector2d>& errors) {
   return {fmt::format("{}: {:.4f} mm rms", what, mm(rms(lengths_of(errors)))), places, errors};
@@ -407,20 +293,90 @@ QuiverPanel quiver_of(const std::string& what, const std::vector<Eigen::Vector2d
 
 }  // namespace
 
+ReportList map_fit_list(const FitErrorMapReport& report,
+                        const std::vector<MethodFigures>& comparison) {
+  const MapResult& result = report.result;
+  ReportList list;
+  list.line_if(report.n_other_plans > 0, "left for checking",
+               "{n_other_plans} pairs whose plan is not train", report.n_other_plans);
+  list.line_if(report.n_unattended > 0, "unattended",
+               "{n_unattended} poses without a tracker reading, not used", report.n_unattended);
+  list.line("pairs used", "{n_used} ({n_rejected} rejected)", result.n_used,
+            result.rejected.size());
+  const auto list_rejected = [](ReportList& row, const RejectedSample& sample) {
+    row.line("pair", "{id}", sample.id);
+    row.line("why", "{reason}", sample.reason);
+    row.unprinted("residual_mm", sample.residual);
+  };
+  list.rows("rejected", result.rejected, list_rejected, "  ");
+  list.line("method", "{method}", name(kind_of(result.map)));
+  list.line("vision error", "{raw_rms_mm:.4f} mm rms", result.raw_rms);
+  list.line("leave-one-out", "{loo_rms_mm:.4f} mm rms", result.loo_rms);
+  list.unprinted("idw_loo_rms_mm", result.idw_loo_rms);
+  list.line("within stated 95 %", "{coverage_95:.1%} of what places left out show",
+            result.coverage_95);
+  list.line("noise", "{noise_mm:.4f} mm per axis", result.noise_sigma);
+  list_places(list, result);
+  if (const auto bias = tool_bias(result.map))
+    list.line("in the tool's frame", "{tool_bias_mm:.4f| } +- {tool_bias_sigma_mm:.4f} mm, used",
+              bias->t, bias->sigma);
+  list.line("gain",
+            result.worth_using ? "{gain:.1%}, worth using"
+                               : "{gain:.1%}, NOT significant: do not use this map",
+            result.gain());
+  list.unprinted("worth_using", result.worth_using);
+  list.line("in a gap",
+            result.blocked.value < result.raw_rms
+                ? "{blocked_rms_mm:.4f} mm rms where {gap_mm:.1f} mm are without pairs"
+                : "{blocked_rms_mm:.4f} mm rms where {gap_mm:.1f} mm are without pairs, no better "
+                  "than without the map",
+            result.blocked.value, result.gap);
+  list.unprinted("blocked_rms_95_mm", interval_of(result.blocked));
+  list.part("cell", cell_list(result.cell));
+  list_comparison(list, comparison);
+  list.show("rejected", "Left out");
+  list.unprinted("fit_seconds", report.fit_seconds);
+  return list;
+}
+
+ReportList lamp_field_list(const LampFieldFit& fit) {
+  ReportList list;
+  list_readings(list, fit);
+  if (fit.end_point_map)
+    list.line("method", "{method} at the end point", name(kind_of(fit.end_point_map->map)));
+  else
+    list.line("method", "{method}, {harmonics} harmonics of each reducer", kLampFieldMethod,
+              fit.estimate.size.harmonics);
+  list_held_out(list, fit.held_out);
+  list.line("noise of a lamp", "{lamp_noise_factor:.2f} times what the pairs state",
+            fit.estimate.priors.lamp_factor);
+  list.unprinted("noise_mm", fit.noise_sigma);
+  list_comparison(list, fit);
+  if (!fit.end_point_map) list_sources(list, fit);  // which are of the field
+  const std::vector<std::string> sentences = arm_in_words(fit.estimate);
+  for (const std::string& sentence : sentences) list.row("arm_in_words", {{"finding", sentence}});
+  list.show("arm_in_words", "Further findings on the arm", ReportList::Shown::kAlsoInPrint);
+  list.unprinted("arm_in_words", sentences);
+  list.unprinted("scatter_mm", fit.estimate.priors.arm_sigma);
+  list.part("arm", arm_terms_list(fit.estimate));
+  return list;
+}
+
 Verdict map_verdict(const FitErrorMapReport& report) {
   const MapResult& result = report.result;
   Verdict verdict;
   if (!result.worth_using) verdict.faults.push_back(kUseless);
   if (result.worth_using && result.blocked.value >= result.raw_rms)
-    verdict.faults.push_back(
-        {fmt::format(
-             "the map helps only close to its places: in the middle of a part of the field that is "
-             "{:.0f} mm wide and has no place, {:.4f} mm rms are left of the error, {:.4f} mm "
-             "without a map",
-             mm(result.gap), mm(result.blocked.value), mm(result.raw_rms)),
-         "record places so near to one another that no such gap stays, first in the dark parts of "
-         "the panel of the uncertainty; until then work close to places that were recorded"});
-  add_left_out_pairs(result.rejected.size(), result.n_used + result.rejected.size(), verdict);
+    verdict.doubt(
+        fmt::format(
+            "the map helps only close to its places: in the middle of a part of the field that is "
+            "{:.0f} mm wide and has no place, {:.4f} mm rms are left of the error, {:.4f} mm "
+            "without a map",
+            mm(result.gap), mm(result.blocked.value), mm(result.raw_rms)),
+        "record places so near to one another that no such gap stays, first in the dark parts of "
+        "the panel of the uncertainty; until then work close to places that were recorded");
+  doubt_left_out(result.rejected.size(), result.n_used + result.rejected.size(), kContradicting,
+                 verdict);
   verdict.good = fmt::format(
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, and in a gap "
       "of {:.1f} mm to {:.4f} (95 % interval {:.4f} to {:.4f})",
@@ -433,18 +389,17 @@ Verdict map_verdict(const LampFieldFit& fit) {
   const HeldOut& judged = fit.held_out;
   Verdict verdict;
   if (judged.n == 0)
-    verdict.faults.push_back(
-        {"no tracker reading judges this map",
-         "take a few tracker readings, or check known places with planar-servo before you rely on "
-         "it"});
+    verdict.doubt(
+        "no tracker reading judges this map",
+        "take a few tracker readings, or check known places with planar-servo before you rely on "
+        "it");
   else if (!judged.worth_using())
     verdict.faults.push_back(kUseless);
   if (judged.n > 0 && judged.coverage_95 < kLeastCoverage)
-    verdict.faults.push_back(
-        {fmt::format("only {} % of the places left out are within their stated 95 %",
-                     fixed(100.0 * judged.coverage_95, 1)),
-         "look for something that moved while you recorded: monuments, camera, lamps"});
-  add_left_out_pairs(fit.left_out.size(), fit.n_readings + fit.n_unattended, verdict);
+    verdict.doubt(fmt::format("only {} % of the places left out are within their stated 95 %",
+                              fixed(100.0 * judged.coverage_95, 1)),
+                  "look for something that moved while you recorded: monuments, camera, lamps");
+  doubt_left_out(fit.left_out.size(), fit.n_readings + fit.n_unattended, kContradicting, verdict);
   verdict.good = fmt::format(
       "worth using: at places left out the error falls from {:.4f} mm rms to {:.4f}, the tracker's "
       "own noise included, {} % of it within the stated 95 %",
@@ -470,13 +425,13 @@ MapView view_of(const FitErrorMapReport& report, const ReportList& list) {
 MapView view_of(const LampFieldFit& fit, const ReportList& list) {
   MapView view;
   view.verdict = map_verdict(fit);
-  for (const HeldOutReading& reading : fit.held_out.readings) {
-    view.places.push_back(reading.p_seen);
-    view.raw.push_back(reading.raw);
-    view.left.push_back(reading.left);
+  const std::vector<HeldOutReading>& readings = fit.held_out.readings;
+  view.places = each(readings, &HeldOutReading::p_seen);
+  view.raw = each(readings, &HeldOutReading::raw);
+  view.left = each(readings, &HeldOutReading::left);
+  for (const HeldOutReading& reading : readings)
     for (int axis = 0; axis < 2; ++axis)
       view.pulls.push_back(reading.left[axis] / reading.sigma[axis]);
-  }
   view.compared = fit.compared;
   if (fit.end_point_map)
     draw_map(fit.end_point_map->map, view);
@@ -488,23 +443,20 @@ MapView view_of(const LampFieldFit& fit, const ReportList& list) {
 }
 
 std::string map_page(const MapView& view, const std::filesystem::path& file) {
-  HtmlPage page = page_about("Error map", file);
-  page.add_verdict(view.verdict);
-  page.add_heading("The map");
-  page.add_html(field_plot(view));
-  page.add_paragraph(
+  HtmlPage page = page_about("Error map", file, view.verdict);
+  page.add_section(
+      "The map", field_plot(view),
       "Colours fill the region in which the map is valid, the dashed hull of its places and a "
       "margin about it. Lines lead from a place along the error there. Dark parts of the "
       "second panel are gaps: places recorded there help most. " +
-      view.what_is_drawn);
+          view.what_is_drawn);
   if (!view.left.empty()) {
-    page.add_heading("Accuracy gained by the map");
     const QuiverPanel left = quiver_of("Left out, with the map", view.places, view.left);
     std::vector<Panel> panels =
         quiver_panels({quiver_of("Without the map", view.places, view.raw), left});
     panels.push_back(left_histogram(view));
-    page.add_html(plot_html(panels));
-    page.add_paragraph(std::string("Each place is predicted from the others. ") + kQuiverCaption);
+    page.add_section("Accuracy gained by the map", plot_html(panels),
+                     std::string("Each place is predicted from the others. ") + kQuiverCaption);
     if (!view.compared.empty()) {
       page.add_html(plot_html({comparison_panel(view.compared)}));
       page.add_paragraph(
@@ -512,12 +464,7 @@ std::string map_page(const MapView& view, const std::filesystem::path& file) {
           "the left one misses the places by less.");
     }
   }
-  page.add_heading("In numbers");
-  page.add_html(view.list.table("What was found").html());
-  for (const auto& [key, title] : kTables)
-    if (view.list.has_rows(key)) page.add_html(view.list.table(title, key).html());
-  add_provenance(page, file);
-  return page.text();
+  return ended_page(std::move(page), view.list, file);
 }
 
 }  // namespace planar

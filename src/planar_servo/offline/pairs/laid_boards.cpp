@@ -9,6 +9,7 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/calibrate_camera.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
@@ -114,13 +115,6 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
   return boards;
 }
 
-std::vector<Pose> poses_of(const std::vector<LaidBoard>& boards) {
-  std::vector<Pose> poses;
-  poses.reserve(boards.size());
-  for (const LaidBoard& laid : boards) poses.push_back(laid.X_CG);
-  return poses;
-}
-
 std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<LaidBoard>& boards,
                               double dots_height) {
   const Workplane dots_plane = raised(workplane, dots_height);
@@ -136,10 +130,7 @@ std::vector<LayRow> seen_lays(const Workplane& workplane, const std::vector<Laid
 std::vector<Refusal> doubts_of_lays(const std::vector<LayRow>& lays, double camera_height) {
   const std::map<std::string, double> heights = apparent_heights(lays, camera_height);
   if (heights.empty()) return {};
-  std::vector<double> all;
-  all.reserve(heights.size());
-  for (const auto& [lay, height] : heights) all.push_back(height);
-  const double middle = median(all);
+  const double middle = median(each(heights, [](const auto& lay) { return lay.second; }));
   std::vector<Refusal> doubts;
   if (std::abs(middle) > kHeightDoubt)
     doubts.push_back(

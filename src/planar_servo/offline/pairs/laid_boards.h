@@ -28,8 +28,6 @@ std::vector<LaidBoard> boards_on_plane(const std::filesystem::path& recording,
                                        const std::vector<FrameRow>& frames,
                                        const CameraModel& camera, const Board& board);
 
-std::vector<Pose> poses_of(const std::vector<LaidBoard>& boards);
-
 /// Returns where the centres of the boards' dots are seen when they lie `dots_height` above the
 /// lamps' plane (metres, negative below), the eccentricity of their images taken off. A dot whose
 /// ray does not meet that plane is left out. Throws InputError for a chessboard, which has no dots.

@@ -41,11 +41,8 @@ Panel series_panel(const std::vector<PairRow>& pairs,
 }
 
 std::string error_plots(const std::vector<PairRow>& pairs, const Summary& raw) {
-  QuiverPanel errors{"Vision minus tracker", {}, {}};
-  for (const PairRow& pair : pairs) {
-    errors.points.push_back(pair.p_vision);
-    errors.errors.push_back(pair.error());
-  }
+  const QuiverPanel errors{"Vision minus tracker", each(pairs, &PairRow::p_vision),
+                           each(pairs, &PairRow::error)};
   const std::vector<Eigen::Vector2d> errors_mm = in_mm(errors.errors);
   const double rms_mm = mm(raw.rms) / std::sqrt(2.0);
   std::vector<Panel> panels = quiver_panels({errors});
@@ -59,8 +56,8 @@ std::string error_plots(const std::vector<PairRow>& pairs, const Summary& raw) {
 std::string step_plot(const RecordedStep& step) {
   const ChangePoint& change = step.change;
   const std::vector<Eigen::Vector2d> left_mm = in_mm(change.left);
-  std::vector<double> at;
-  for (const std::size_t place : change.places) at.push_back(static_cast<double>(place + 1));
+  const std::vector<double> at =
+      each(change.places, [](std::size_t place) { return static_cast<double>(place + 1); });
   const Axis order = axis_over("training place, in the order of time", at);
   Panel panel =
       component_panel(fmt::format("A step from '{}' on", step.id), order,
@@ -74,15 +71,16 @@ std::string step_plot(const RecordedStep& step) {
   return plot_html({panel});
 }
 
-TextTable monument_table(const DatumRegistration& datum) {
-  TextTable table("Monuments: read minus known",
-                  {"monument", "readings", "x, mm", "y, mm", "z, mm"});
+void list_monuments(ReportList& list, const DatumRegistration& datum) {
   for (const MonumentResidual& monument : datum.residuals) {
     const Eigen::Vector3d off = monument.residual_B / kMillimetre;
-    table.add_row({monument.id, std::to_string(monument.readings), fixed(off.x(), 4),
-                   fixed(off.y(), 4), fixed(off.z(), 4)});
+    list.row("monuments", {{"monument", monument.id},
+                           {"readings", std::to_string(monument.readings)},
+                           {"x, mm", fixed(off.x(), 4)},
+                           {"y, mm", fixed(off.y(), 4)},
+                           {"z, mm", fixed(off.z(), 4)}});
   }
-  return table;
+  list.show("monuments", "Monuments: read minus known");
 }
 
 void list_fit(ReportList& list, const WorkplaneFit& fit) {
@@ -135,6 +133,8 @@ ReportList page_list(const PairTrackerRequest& request, const PairTrackerReport&
     list.line("readings at rest",
               "spread by {rest_mm:.4f} mm per axis; the cell file states {rest_stated_mm:.4f} mm",
               spread.rms, spread.stated);
+  if (report.datum) list_monuments(list, *report.datum);
+  list.show("rejected", "Left out");
   return list;
 }
 
@@ -156,9 +156,7 @@ ReportList pair_tracker_list(const PairTrackerReport& report) {
     row.line("why", "{reason}", rejection.reason);
   };
   list.rows("rejected", report.rejected, list_rejected, "rejected            ");
-  std::vector<std::string> doubts;
-  for (const Refusal& doubt : report.doubts) doubts.push_back(doubt.text());
-  list.unprinted("doubts", doubts);
+  list.unprinted("doubts", each(report.doubts, &Refusal::text));
   const auto n = static_cast<std::size_t>(
       std::count_if(report.pairs.begin(), report.pairs.end(),
                     [](const PairRow& pair) { return !pair.is_attended(); }));
@@ -177,14 +175,10 @@ ReportList pair_tracker_list(const PairTrackerReport& report) {
 Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport& report) {
   Verdict verdict;
   for (const Refusal& doubt : report.doubts)
-    verdict.faults.push_back(
-        {doubt.fault, doubt.remedy.empty() ? "look at it before you use the pairs" : doubt.remedy});
-  const std::size_t places = report.pairs.size() + report.rejected.size();
-  if (static_cast<double>(report.rejected.size()) > kFewLeftOut * static_cast<double>(places))
-    verdict.faults.push_back(
-        {fmt::format("{} of {} places were left out", report.rejected.size(), places),
-         "look at the images and readings under 'Left out', which says why, and record these "
-         "places again"});
+    verdict.doubt(doubt.fault,
+                  doubt.remedy.empty() ? "look at it before you use the pairs" : doubt.remedy);
+  doubt_left_out(report.rejected.size(), report.pairs.size() + report.rejected.size(),
+                 "places were", verdict);
   if (!verdict.faults.empty()) return verdict;
   const std::vector<PairRow> pairs = attended(report.pairs);
   if (!report.datum || pairs.empty()) {
@@ -202,35 +196,24 @@ Verdict pair_verdict(const PairTrackerRequest& request, const PairTrackerReport&
 
 std::string pair_page(const PairTrackerRequest& request, const PairTrackerReport& report,
                       const std::filesystem::path& file) {
-  HtmlPage page = page_about("Pairs", file);
-  page.add_verdict(pair_verdict(request, report));
+  HtmlPage page = page_about("Pairs", file, pair_verdict(request, report));
   const std::vector<PairRow> pairs = attended(report.pairs);
-  if (!pairs.empty()) {
-    page.add_heading("Vision minus tracker");
-    page.add_html(error_plots(pairs, raw_error(report.pairs)));
-    page.add_paragraph(
+  if (!pairs.empty())
+    page.add_section(
+        "Vision minus tracker", error_plots(pairs, raw_error(report.pairs)),
         "First: from each place, the error of vision there, which the error map is to learn; "
         "neighbours should point the same way. A line that differs from all around it is a wrong "
         "pair. Second: a step or a trend over time means that the camera, a monument or the "
         "tracker has moved.");
-  }
-  if (report.step) {
-    page.add_heading("A step in time");
-    page.add_html(step_plot(*report.step));
-    page.add_paragraph(fmt::format(
-        "The training places without the field and its slow drift{}. The dashed step costs up to "
-        "{:.3f} mm at the end point. Where nothing has moved, the dots scatter about zero all "
-        "along.",
-        report.step->change.frame == StepFrame::kTool ? ", in the tool's frame" : "",
-        mm(report.step->cost())));
-  }
-  page.add_heading("In numbers");
-  const ReportList list = page_list(request, report);
-  page.add_html(list.table("What was found").html());
-  if (report.datum) page.add_html(monument_table(*report.datum).html());
-  if (!report.rejected.empty()) page.add_html(list.table("Left out", "rejected").html());
-  add_provenance(page, file);
-  return page.text();
+  if (report.step)
+    page.add_section(
+        "A step in time", step_plot(*report.step),
+        fmt::format("The training places without the field and its slow drift{}. The dashed step "
+                    "costs up to {:.3f} mm at the end point. Where nothing has moved, the dots "
+                    "scatter about zero all along.",
+                    report.step->change.frame == StepFrame::kTool ? ", in the tool's frame" : "",
+                    mm(report.step->cost())));
+  return ended_page(std::move(page), page_list(request, report), file);
 }
 
 }  // namespace planar

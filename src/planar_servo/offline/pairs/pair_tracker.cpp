@@ -14,6 +14,7 @@
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/lens/workplane.h"
 #include "planar_servo/geometry/tool/tips.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
@@ -77,10 +78,10 @@ bool has_tool_readings(const PairTrackerRequest& request) {
 
 WorkplaneFit fit_to_arm(const PairTrackerRequest& request, const std::vector<PoseSight>& poses) {
   const PlanarArm arm(request.cell.arm.geometry);
-  std::vector<SentSight> sent;
-  sent.reserve(poses.size());
-  for (const PoseSight& pose : poses) sent.push_back({pose, arm.forward(pose.theta).p});
-  return fit_workplane_to_arm(request.camera, poses_of(request.boards_on_plane), sent,
+  const auto sent = each(poses, [&](const PoseSight& pose) {
+    return SentSight{pose, arm.forward(pose.theta).p};
+  });
+  return fit_workplane_to_arm(request.camera, each(request.boards_on_plane, &LaidBoard::X_CG), sent,
                               request.dots_height);
 }
 
@@ -195,7 +196,8 @@ WorkplaneFit fit_workplane(const PairTrackerRequest& request,
                });
   return request.boards_on_plane.empty()
              ? fit_workplane_to_pairs(request.camera, fitted)
-             : fit_workplane_to_board(request.camera, poses_of(request.boards_on_plane), fitted,
+             : fit_workplane_to_board(request.camera,
+                                      each(request.boards_on_plane, &LaidBoard::X_CG), fitted,
                                       request.dots_height);
 }
 

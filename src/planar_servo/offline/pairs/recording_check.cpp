@@ -45,21 +45,12 @@ TimedPairs training_errors(const std::vector<PairRow>& pairs) {
   return training;
 }
 
-std::string creeping(const std::optional<StepFrame>& frame) {
-  if (!frame)
-    return "the reflector or a lamp creeps on the tool, or the camera or the tracker drifts";
-  if (*frame == StepFrame::kTool)
-    return "it turns with the tool: the reflector or a lamp creeps there";
-  return "it does not turn with the tool: the camera or the tracker drifts";
-}
-
-std::string causes_of(const std::optional<StepFrame>& frame) {
-  if (!frame)
-    return "the reflector was bumped or seated anew, or a lamp, the camera or the tracker moved "
-           "there";
-  if (*frame == StepFrame::kTool)
-    return "it turns with the tool: the reflector was bumped or seated anew, or a lamp moved there";
-  return "it does not turn with the tool: the camera or the tracker moved there";
+/// Says what may have happened on the tool, or elsewhere.
+std::string causes_of(const std::optional<StepFrame>& frame, const char* on_tool,
+                      const char* elsewhere) {
+  if (!frame) return fmt::format("{}, or {}", on_tool, elsewhere);
+  return *frame == StepFrame::kTool ? std::string("it turns with the tool: ") + on_tool
+                                    : std::string("it does not turn with the tool: ") + elsewhere;
 }
 
 }  // namespace
@@ -142,7 +133,9 @@ Refusal RecordedStep::doubt() const {
           "pairs: from place '{}' on, {} of {}, vision and tracker differ by another ({}) mm +- "
           "{:.3f}, which costs up to {:.3f} mm at the end point: {}",
           id, places - change.first, places, fixed(change.step / kMillimetre, 3, ", "),
-          mm(change.sigma), mm(cost()), causes_of(change.frame)),
+          mm(change.sigma), mm(cost()),
+          causes_of(change.frame, "the reflector was bumped or seated anew, or a lamp moved there",
+                    "the camera or the tracker moved there")),
       needs_consent() ? "record again with one seating, leave one of the two parts out, or, if you "
                         "know that nothing moved, continue with --accept-step"
                       : "if something moved there, record again or leave one of the two parts out",
@@ -153,16 +146,17 @@ Refusal RecordedTrend::doubt() const {
   const double size_mm = mm(trend.size.norm());
   const std::string rate =
       duration_s > 0.0 ? fmt::format(", {:.3f} mm per hour", size_mm * kHour / duration_s) : "";
-  return {
-      fmt::format(
-          "pairs: while the training places were recorded, vision and tracker drifted apart by "
-          "({}) mm +- {:.3f}{}: {}",
-          fixed(trend.size / kMillimetre, 3, ", "), mm(trend.sigma), rate, creeping(trend.frame)),
-      needs_consent()
-          ? "fasten it, let tracker and camera warm up and record again, or, if you know "
-            "better, continue with --accept-step"
-          : "fasten it, or let tracker and camera warm up before the next recording",
-      "", Cause::kContradiction};
+  return {fmt::format(
+              "pairs: while the training places were recorded, vision and tracker drifted apart by "
+              "({}) mm +- {:.3f}{}: {}",
+              fixed(trend.size / kMillimetre, 3, ", "), mm(trend.sigma), rate,
+              causes_of(trend.frame, "the reflector or a lamp creeps on the tool",
+                        "the camera or the tracker drifts")),
+          needs_consent()
+              ? "fasten it, let tracker and camera warm up and record again, or, if you know "
+                "better, continue with --accept-step"
+              : "fasten it, or let tracker and camera warm up before the next recording",
+          "", Cause::kContradiction};
 }
 
 void require_axis_in_origin(const CellSettings& cell, const std::vector<ToolSight>& sights) {

@@ -9,22 +9,12 @@
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
 
 constexpr double kPaperLeast_mm = 60.0, kPaperMost_mm = 540.0;
-
-/// Returns equally spaced points of a circle, of which the first lies on the +x side.
-std::vector<Eigen::Vector2d> circle_points(const Eigen::Vector2d& center, double radius,
-                                           int count) {
-  std::vector<Eigen::Vector2d> points;
-  for (int i = 0; i < count; ++i) {
-    const double angle = 2.0 * kPi * i / count;
-    points.emplace_back(center + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-  }
-  return points;
-}
 
 class PlanBuilder {
  public:
@@ -42,7 +32,7 @@ class PlanBuilder {
     plan_.rows.push_back({id, plan, TipPose{p, phi_}});
   }
   void add_circle(const std::string& prefix, int radius_mm, int run, int count) {
-    const auto points = circle_points(Eigen::Vector2d::Zero(), radius_mm * kMillimetre, count);
+    const auto points = circle_of({0.0, 0.0}, radius_mm * kMillimetre, count);
     for (int i = 0; i < count; ++i) {
       const std::string id = fmt::format("{}r{}_{:02}", prefix, radius_mm, i);
       add(id, Purpose::kCheck, points[static_cast<std::size_t>(i)]);
@@ -130,8 +120,8 @@ std::vector<ControlCircle> control_circles(const Workspace& workspace, const Exp
   for (const Eigen::Vector2d& center : {Eigen::Vector2d(-d, -d), Eigen::Vector2d(-d, d),
                                         Eigen::Vector2d(d, d), Eigen::Vector2d(d, -d)}) {
     ControlCircle circle{center, radii.control_mm, {}};
-    const auto points = circle_points(center, radii.control_mm * kMillimetre, size.control_points);
-    for (std::size_t i = 0; i < points.size(); ++i)
+    const auto points = circle_of(center, radii.control_mm * kMillimetre, size.control_points);
+    for (std::size_t i = 0; i + 1 < points.size(); ++i)
       circle.targets.push_back(
           {fmt::format("c{}_{:02}", circles.size() + 1, i), points[i], std::nullopt});
     circles.push_back(std::move(circle));

@@ -8,6 +8,7 @@
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibration_files.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
@@ -84,10 +85,9 @@ PositioningTerms positioning_terms(const PredictionInputs& known, const TargetRo
 
 PositioningPrediction predict_positioning(const PredictionInputs& known,
                                           const std::vector<TargetRow>& targets) {
-  std::vector<double> sigmas;
-  sigmas.reserve(targets.size());
-  for (const TargetRow& target : targets)
-    sigmas.push_back(positioning_terms(known, target).combined());
+  const auto sigmas = each(targets, [&](const TargetRow& target) {
+    return positioning_terms(known, target).combined();
+  });
   return {mean(sigmas) * std::sqrt(kPi / 2.0), mixture_p95(sigmas)};
 }
 

@@ -21,6 +21,7 @@
 #include "planar_servo/learn/field/lamp_field.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/plan/experiment_plan.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {
@@ -246,10 +247,8 @@ std::vector<TipPose> unattended_poses(const CellSettings& cell, int count, std::
   ExperimentSize size;
   size.board_views = size.lays = size.sweep_points = 0;
   size.unattended_poses = count;
-  std::vector<TipPose> tips;
-  for (const PlanRow& row : drawn_rows(cell, size, seed))
-    tips.push_back(std::get<TipPose>(row.where));
-  return tips;
+  return each(drawn_rows(cell, size, seed),
+              [](const PlanRow& row) { return std::get<TipPose>(row.where); });
 }
 
 /// Throws InputError for fewer places than a plan without readings needs.
@@ -291,8 +290,7 @@ std::vector<TipPose> most_telling(const KnownCell& known, const std::vector<Pair
                                   int places, const std::vector<Joints>& swept,
                                   ProposedPlan& plan) {
   const Candidates candidates = candidates_of(known);
-  std::vector<PoseSample> first;
-  for (const Joints& theta : swept) first.push_back(pose_at(known, theta));
+  const auto first = each(swept, [&](const Joints& theta) { return pose_at(known, theta); });
   const NextPlaces next = choose_next_places(estimate_of(known, pairs), candidates.poses,
                                              static_cast<std::size_t>(places), first);
   plan.before = length_of(next.sigmas.front());
@@ -301,9 +299,7 @@ std::vector<TipPose> most_telling(const KnownCell& known, const std::vector<Pair
       std::find_if(next.sigmas.begin(), next.sigmas.end(),
                    [&](double sigma) { return sigma <= kNearly * next.sigmas.back(); }) -
       next.sigmas.begin());
-  std::vector<TipPose> tips;
-  for (const std::size_t i : next.chosen) tips.push_back(candidates.tips[i]);
-  return tips;
+  return each(next.chosen, [&](std::size_t i) { return candidates.tips[i]; });
 }
 
 }  // namespace

@@ -28,8 +28,116 @@ constexpr char kWayOn[] =
     "correct `arm` and `workspace` in the cell file, keep other places by planar-pair-tracker "
     "--health-out, or move without the check (--no-health)";
 
-std::string refusal_text(const DryRunRow& row) {
-  return fmt::format("{}: refused: {}\n", row.id, *row.plan.refusal);
+/// Coordinates up to this are those of an arm of a metre, written in metres.
+constexpr double kNearAxes_m = 1.0 * kMillimetre;
+/// A full turn in radians is a little less.
+constexpr double kRadiansOfTurn = 6.3;
+
+/// `reach` says what reaches how far.
+std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
+                                       const std::string& reach, double reach_m) {
+  double farthest_m = 0.0;
+  for (const TargetRow& target : targets)
+    farthest_m = std::max(farthest_m, target.p_d.cwiseAbs().maxCoeff());
+  if (targets.empty() || farthest_m >= kNearAxes_m || reach_m <= kNearAxes_m) return std::nullopt;
+  return Refusal{fmt::format("no coordinate is larger than {:g} mm, while {} to {:g} mm; metres "
+                             "would be such numbers",
+                             mm(farthest_m), reach, mm(reach_m)),
+                 "write millimetres, such as 200 for 0.2 m", "", Cause::kContradiction};
+}
+
+std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets) {
+  constexpr double kWrittenDigit = 1e-6;
+  double largest = 0.0;
+  bool any_broken = false;
+  for (const TargetRow& target : targets) {
+    const double number = target.phi_d.value_or(0.0) / kDegree;
+    if (std::abs(number) >= kRadiansOfTurn) return std::nullopt;
+    largest = std::max(largest, std::abs(number));
+    any_broken = any_broken || std::abs(number - std::round(number)) >= kWrittenDigit;
+  }
+  if (!any_broken) return std::nullopt;
+  return Refusal{fmt::format("phi_deg is at most {:g} in every row; radians would be such numbers, "
+                             "while degrees are read",
+                             largest),
+                 "write degrees, such as 90 for 1.571 radians, or leave it if it is meant so", "",
+                 Cause::kContradiction};
+}
+
+std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
+                                       const Workspace& workspace) {
+  return doubt_of_places(targets, "the workspace reaches", workspace.radius_max_m);
+}
+
+using Points = std::vector<Eigen::Vector2d>;
+
+constexpr const char* kBarred = kSeriesColors[1];
+
+constexpr const char* kWay = "#999";
+constexpr const char* kObstacle = "#333";
+
+/// Draws lines as far as they lie within the axes; their points are close together.
+void add_within(Panel& panel, const FieldAxes& axes, const Points& points_mm, Panel::Stroke stroke,
+                const char* color) {
+  Points run;
+  const auto end_run = [&] {
+    if (run.size() > 1) panel.add_line(run, stroke, color);
+    run.clear();
+  };
+  for (const Eigen::Vector2d& p : points_mm) {
+    if (p.x() >= axes.x.from && p.x() <= axes.x.to && p.y() >= axes.y.from && p.y() <= axes.y.to)
+      run.push_back(p);
+    else
+      end_run();
+  }
+  end_run();
+}
+
+/// Returns the outline of a barrier in points that are close together.
+Points outline_of(const Barrier& barrier) {
+  if (barrier.corners_B.size() == 1) return circle_of(barrier.corners_B[0], barrier.radius_m);
+  constexpr int kPieces = 20;
+  Points outline;
+  for (std::size_t i = 0; i < barrier.corners_B.size(); ++i) {
+    const Eigen::Vector2d &a = barrier.corners_B[i],
+                          &b = barrier.corners_B[(i + 1) % barrier.corners_B.size()];
+    for (int k = 0; k <= kPieces; ++k) outline.emplace_back(a + (b - a) * k / kPieces);
+  }
+  return outline;
+}
+
+/// Returns a panel over these places, in it what the workspace forbids.
+Panel panel_over(const std::string& title, const FieldAxes& axes, const Workspace& workspace) {
+  Panel panel(title, axes);
+  for (const Border& border : workspace.borders())
+    if (border.radius_m > 0.0)
+      add_within(panel, axes, in_mm(circle_of(border.p_B, border.radius_m)), Panel::Stroke::kDashed,
+                 kBarred);
+  for (const Barrier& barrier : workspace.barriers)
+    add_within(panel, axes, in_mm(outline_of(barrier)), Panel::Stroke::kSolid, kObstacle);
+  return panel;
+}
+
+/// Draws the same in the whole workspace, which has the legend, and by itself.
+template <typename Draw, typename Explain>
+std::string panels_html(const Points& places, const Workspace& workspace, const Draw& draw,
+                        const Explain& explain) {
+  const FieldAxes all = axes_over_places(in_mm(circle_of({0.0, 0.0}, workspace.radius_max_m)));
+  const FieldAxes close = axes_over_places(in_mm(places));
+  Panel whole = panel_over("In the workspace", all, workspace);
+  Panel near = panel_over("By itself", close, workspace);
+  draw(whole, all);
+  draw(near, close);
+  explain(whole);
+  whole.add_key(kBarred, "borders and keep-out discs", Panel::Sample::kLine);
+  if (!workspace.barriers.empty()) whole.add_key(kObstacle, "obstacles", Panel::Sample::kLine);
+  return plot_html({whole, near});
+}
+
+HtmlPage page_about(const std::filesystem::path& file, const std::vector<std::string>& remarks) {
+  HtmlPage page("What " + file.filename().string() + " would have the arm do");
+  for (const std::string& remark : remarks) page.add_paragraph(remark + ".");
+  return page;
 }
 
 }  // namespace
@@ -184,31 +292,23 @@ void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRo
 std::vector<DryRunRow> first_moves_to(const CalibratedCell& cell, const Joints& start,
                                       const std::vector<TargetRow>& targets) {
   DryRun dry(cell, start);
-  std::vector<DryRunRow> rows;
-  rows.reserve(targets.size());
-  for (const TargetRow& target : targets) rows.push_back(dry.first_move(target));
-  return rows;
+  return each(targets, [&dry](const TargetRow& target) { return dry.first_move(target); });
 }
 
-std::size_t count_refused(const std::vector<DryRunRow>& rows) {
-  return static_cast<std::size_t>(std::count_if(
-      rows.begin(), rows.end(), [](const DryRunRow& row) { return row.plan.refusal.has_value(); }));
+std::vector<DryRunRow> refused_of(std::vector<DryRunRow> rows) {
+  rows.erase(std::remove_if(rows.begin(), rows.end(),
+                            [](const DryRunRow& row) { return !row.plan.refusal; }),
+             rows.end());
+  return rows;
 }
 
 std::string dry_run_text(const std::vector<DryRunRow>& rows) {
   std::string text;
   for (const DryRunRow& row : rows)
-    text += row.plan.refusal
-                ? refusal_text(row)
-                : fmt::format("{}: joints {} deg, pulses {}\n", row.id,
-                              fixed(row.plan.theta / kDegree, 4, " "), fmt::join(row.pulses, " "));
-  return text;
-}
-
-std::string refusals_text(const std::vector<DryRunRow>& rows) {
-  std::string text;
-  for (const DryRunRow& row : rows)
-    if (row.plan.refusal) text += refusal_text(row);
+    text += row.id + (row.plan.refusal ? fmt::format(": refused: {}\n", *row.plan.refusal)
+                                       : fmt::format(": joints {} deg, pulses {}\n",
+                                                     fixed(row.plan.theta / kDegree, 4, " "),
+                                                     fmt::join(row.pulses, " ")));
   return text;
 }
 
@@ -227,51 +327,6 @@ nlohmann::json dry_run_json(const std::vector<DryRunRow>& rows) {
   for (const DryRunRow& row : rows) moves.push_back(nlohmann::json(first_move_answer(row)));
   return {{"moves", moves}};
 }
-
-namespace {
-
-/// Coordinates up to this are those of an arm of a metre, written in metres.
-constexpr double kNearAxes_m = 1.0 * kMillimetre;
-/// A full turn in radians is a little less.
-constexpr double kRadiansOfTurn = 6.3;
-
-/// `reach` says what reaches how far.
-std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
-                                       const std::string& reach, double reach_m) {
-  double farthest_m = 0.0;
-  for (const TargetRow& target : targets)
-    farthest_m = std::max(farthest_m, target.p_d.cwiseAbs().maxCoeff());
-  if (targets.empty() || farthest_m >= kNearAxes_m || reach_m <= kNearAxes_m) return std::nullopt;
-  return Refusal{fmt::format("no coordinate is larger than {:g} mm, while {} to {:g} mm; metres "
-                             "would be such numbers",
-                             mm(farthest_m), reach, mm(reach_m)),
-                 "write millimetres, such as 200 for 0.2 m", "", Cause::kContradiction};
-}
-
-std::optional<Refusal> doubt_of_directions(const std::vector<TargetRow>& targets) {
-  constexpr double kWrittenDigit = 1e-6;
-  double largest = 0.0;
-  bool any_broken = false;
-  for (const TargetRow& target : targets) {
-    const double number = target.phi_d.value_or(0.0) / kDegree;
-    if (std::abs(number) >= kRadiansOfTurn) return std::nullopt;
-    largest = std::max(largest, std::abs(number));
-    any_broken = any_broken || std::abs(number - std::round(number)) >= kWrittenDigit;
-  }
-  if (!any_broken) return std::nullopt;
-  return Refusal{fmt::format("phi_deg is at most {:g} in every row; radians would be such numbers, "
-                             "while degrees are read",
-                             largest),
-                 "write degrees, such as 90 for 1.571 radians, or leave it if it is meant so", "",
-                 Cause::kContradiction};
-}
-
-std::optional<Refusal> doubt_of_places(const std::vector<TargetRow>& targets,
-                                       const Workspace& workspace) {
-  return doubt_of_places(targets, "the workspace reaches", workspace.radius_max_m);
-}
-
-}  // namespace
 
 std::optional<Refusal> doubt_on_work(const std::vector<TargetRow>& drawn, const FoundWork& work) {
   double reach_m = 0.0;
@@ -298,91 +353,6 @@ void question_targets(const std::vector<TargetRow>& targets, const Workspace& wo
   for (const Refusal& doubt : target_doubts(targets, workspace))
     spdlog::warn(doubt.at(file).text());
 }
-
-namespace {
-
-using Points = std::vector<Eigen::Vector2d>;
-
-constexpr const char* kBarred = kSeriesColors[1];
-
-Points circle(const Eigen::Vector2d& center, double radius_m) {
-  constexpr int kCorners = 90;
-  Points points;
-  for (int i = 0; i <= kCorners; ++i) {
-    const double angle = 2.0 * kPi * i / kCorners;
-    points.emplace_back(center + radius_m * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-  }
-  return points;
-}
-
-constexpr const char* kWay = "#999";
-constexpr const char* kObstacle = "#333";
-
-/// Draws lines as far as they lie within the axes; their points are close together.
-void add_within(Panel& panel, const FieldAxes& axes, const Points& points_mm, Panel::Stroke stroke,
-                const char* color) {
-  Points run;
-  const auto end_run = [&] {
-    if (run.size() > 1) panel.add_line(run, stroke, color);
-    run.clear();
-  };
-  for (const Eigen::Vector2d& p : points_mm) {
-    if (p.x() >= axes.x.from && p.x() <= axes.x.to && p.y() >= axes.y.from && p.y() <= axes.y.to)
-      run.push_back(p);
-    else
-      end_run();
-  }
-  end_run();
-}
-
-/// Returns the outline of a barrier in points that are close together.
-Points outline_of(const Barrier& barrier) {
-  if (barrier.corners_B.size() == 1) return circle(barrier.corners_B[0], barrier.radius_m);
-  constexpr int kPieces = 20;
-  Points outline;
-  for (std::size_t i = 0; i < barrier.corners_B.size(); ++i) {
-    const Eigen::Vector2d &a = barrier.corners_B[i],
-                          &b = barrier.corners_B[(i + 1) % barrier.corners_B.size()];
-    for (int k = 0; k <= kPieces; ++k) outline.emplace_back(a + (b - a) * k / kPieces);
-  }
-  return outline;
-}
-
-/// Returns a panel over these places, in it what the workspace forbids.
-Panel panel_over(const std::string& title, const FieldAxes& axes, const Workspace& workspace) {
-  Panel panel(title, axes.x, axes.y, Panel::Aspect::kEqual);
-  for (const Border& border : workspace.borders())
-    if (border.radius_m > 0.0)
-      add_within(panel, axes, in_mm(circle(border.p_B, border.radius_m)), Panel::Stroke::kDashed,
-                 kBarred);
-  for (const Barrier& barrier : workspace.barriers)
-    add_within(panel, axes, in_mm(outline_of(barrier)), Panel::Stroke::kSolid, kObstacle);
-  return panel;
-}
-
-/// Draws the same in the whole workspace, which has the legend, and by itself.
-template <typename Draw, typename Explain>
-std::string panels_html(const Points& places, const Workspace& workspace, const Draw& draw,
-                        const Explain& explain) {
-  const FieldAxes all = axes_over_places(in_mm(circle({0.0, 0.0}, workspace.radius_max_m)));
-  const FieldAxes close = axes_over_places(in_mm(places));
-  Panel whole = panel_over("In the workspace", all, workspace);
-  Panel near = panel_over("By itself", close, workspace);
-  draw(whole, all);
-  draw(near, close);
-  explain(whole);
-  whole.add_key(kBarred, "borders and keep-out discs", Panel::Sample::kLine);
-  if (!workspace.barriers.empty()) whole.add_key(kObstacle, "obstacles", Panel::Sample::kLine);
-  return plot_html({whole, near});
-}
-
-HtmlPage page_about(const std::filesystem::path& file, const std::vector<std::string>& remarks) {
-  HtmlPage page("What " + file.filename().string() + " would have the arm do");
-  for (const std::string& remark : remarks) page.add_paragraph(remark + ".");
-  return page;
-}
-
-}  // namespace
 
 std::string plan_page(const Workspace& workspace, const std::filesystem::path& file,
                       const Path& path, const std::vector<std::string>& remarks) {
@@ -425,11 +395,14 @@ std::string plan_page(const Workspace& workspace, const std::filesystem::path& f
         panel.add_key(kWay, "the end point's way to them", Panel::Sample::kLine);
         if (!refused.empty()) panel.add_key(kSeriesColors[3], "refused");
       }));
-  TextTable table("Targets", {"target", "x mm", "y mm", "refused because"});
+  ReportList list;
   for (std::size_t i = 0; i < targets.size(); ++i)
-    table.add_row({targets[i].id, fixed(mm(targets[i].p_d.x()), 3),
-                   fixed(mm(targets[i].p_d.y()), 3), rows[i].plan.refusal.value_or("")});
-  page.add_html("<div class=\"words\">" + table.html() + "</div>");
+    list.row("targets", {{"target", targets[i].id},
+                         {"x mm", fixed(mm(targets[i].p_d.x()), 3)},
+                         {"y mm", fixed(mm(targets[i].p_d.y()), 3)},
+                         {"refused because", rows[i].plan.refusal.value_or("")}});
+  list.show("targets", "Targets");
+  page.add_html("<div class=\"words\">" + list.table_html("targets") + "</div>");
   return page.text();
 }
 

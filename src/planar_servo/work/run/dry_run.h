@@ -107,13 +107,11 @@ void refuse_outside_map(std::vector<DryRunRow>& rows, const std::vector<TargetRo
 std::vector<DryRunRow> first_moves_to(const CalibratedCell& cell, const Joints& start,
                                       const std::vector<TargetRow>& targets);
 
-std::size_t count_refused(const std::vector<DryRunRow>& rows);
+/// Returns those that are refused.
+std::vector<DryRunRow> refused_of(std::vector<DryRunRow> rows);
 
 /// Returns a line for each target: its joints and pulses, or why it is refused.
 std::string dry_run_text(const std::vector<DryRunRow>& rows);
-
-/// Returns a line for each target that is refused.
-std::string refusals_text(const std::vector<DryRunRow>& rows);
 
 /// Returns one target's `target`, `status` ("planned" or "refused"), `reason`, and what the first
 /// move commands: `theta_deg` and `pulses`.

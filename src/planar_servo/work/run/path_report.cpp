@@ -77,24 +77,28 @@ std::vector<double> deviations_mm(const std::vector<DrawnWay>& ways) {
   return deviations;
 }
 
-/// Draws on `blank` a panel for each witness of a guidance, with a line for each speed: `placed`
+/// Draws on `blank` a panel for each witness of each guidance, with a line for each speed: `placed`
 /// says where points along and across the path lie in it.
-std::string panels_of(const DrawnGuidance& drawn, const std::vector<DrawnWay>& ways,
+std::string panels_of(const std::vector<DrawnWay>& ways,
                       const std::function<Panel(const std::string& title)>& blank,
                       const std::function<Points(const Points&)>& placed) {
-  std::vector<Panel> panels;
-  for (const Witness& witness : kWitnesses) {
-    Panel panel = blank(fmt::format("{}, {}", drawn.words, witness.words));
-    std::size_t speeds = 0;
-    for (const DrawnWay& way : ways) {
-      if (way.guidance != drawn.guidance || (way.*witness.points).empty()) continue;
-      const char* color = kSeriesColors[speeds++ % std::size(kSeriesColors)];
-      panel.add_line(placed(way.*witness.points), Panel::Stroke::kSolid, color);
-      panel.add_key(color, fmt::format("{:g} mm/s", mm(way.speed_m_s)), Panel::Sample::kLine);
+  std::string html;
+  for (const DrawnGuidance& drawn : kDrawnGuidances) {
+    std::vector<Panel> panels;
+    for (const Witness& witness : kWitnesses) {
+      Panel panel = blank(fmt::format("{}, {}", drawn.words, witness.words));
+      std::size_t speeds = 0;
+      for (const DrawnWay& way : ways) {
+        if (way.guidance != drawn.guidance || (way.*witness.points).empty()) continue;
+        const char* color = kSeriesColors[speeds++ % std::size(kSeriesColors)];
+        panel.add_line(placed(way.*witness.points), Panel::Stroke::kSolid, color);
+        panel.add_key(color, fmt::format("{:g} mm/s", mm(way.speed_m_s)), Panel::Sample::kLine);
+      }
+      if (speeds > 0) panels.push_back(panel);
     }
-    if (speeds > 0) panels.push_back(panel);
+    if (!panels.empty()) html += plot_html(panels);
   }
-  return panels.empty() ? "" : plot_html(panels);
+  return html;
 }
 
 /// The path's own line, and looks drawn beside it.
@@ -112,7 +116,7 @@ class Map {
   }
 
   Panel blank(const std::string& title) const {
-    Panel panel(title, axes_.x, axes_.y, Panel::Aspect::kEqual);
+    Panel panel(title, axes_);
     panel.add_line(line_);
     panel.add_note(
         fmt::format("black: the path; deviation drawn {:g} times its size", magnification_));
@@ -224,16 +228,13 @@ Verdict path_verdict(const std::vector<PathSpeedResult>& results) {
 
 void list_errors(ReportList& row, const std::string& judge, const std::string& suffix,
                  const std::optional<PathErrors>& errors) {
-  const auto known = [&errors](double value) {
-    return errors ? std::optional(value) : std::nullopt;
-  };
-  const auto& [across_m, lag_mean_m, lag_max_m] = errors.value_or(PathErrors());
+  const auto across_m = part_of(errors, &PathErrors::across_m);
   ReportList list(suffix);
-  list.line(judge + " mean", "{deviation_mean_mm:.4f}", known(across_m.mean));
-  list.line(judge + " 95 %", "{deviation_p95_mm:.4f}", known(across_m.p95));
-  list.line(judge + " max", "{deviation_max_mm:.4f}", known(across_m.max));
-  list.line(judge + " lag", "{lag_mean_mm:.4f}", known(lag_mean_m));
-  list.unprinted("lag_max_mm", known(lag_max_m));
+  list.line(judge + " mean", "{deviation_mean_mm:.4f}", part_of(across_m, &Summary::mean));
+  list.line(judge + " 95 %", "{deviation_p95_mm:.4f}", part_of(across_m, &Summary::p95));
+  list.line(judge + " max", "{deviation_max_mm:.4f}", part_of(across_m, &Summary::max));
+  list.line(judge + " lag", "{lag_mean_mm:.4f}", part_of(errors, &PathErrors::lag_mean_m));
+  list.unprinted("lag_max_mm", part_of(errors, &PathErrors::lag_max_m));
   row.append(list);
 }
 
@@ -248,33 +249,28 @@ void add_path_plots(HtmlPage& page, const Path& path, const std::vector<PathLook
   const std::vector<DrawnWay> ways = ways_along(looks);
   const std::vector<double> deviations = deviations_mm(ways);
   if (deviations.empty()) return;
-  page.add_heading("Deviation by speed");
-  page.add_html(speed_plot(results));
-  page.add_paragraph(
+  page.add_section(
+      "Deviation by speed", speed_plot(results),
       "Distance of all looks from the path at each speed. Where one speed is off by more than the "
       "others, go slower.");
-  page.add_heading("The end point beside the path");
   const Map map(path, deviations);
-  for (const DrawnGuidance& drawn : kDrawnGuidances)
-    page.add_html(panels_of(
-        drawn, ways, [&](const std::string& title) { return map.blank(title); },
-        [&](const Points& points) { return map.placed(points); }));
-  page.add_paragraph(
+  page.add_section(
+      "The end point beside the path",
+      panels_of(
+          ways, [&](const std::string& title) { return map.blank(title); },
+          [&](const Points& points) { return map.placed(points); }),
       "The panels share their scale. Deviation that is the same at every speed is the arm's or the "
       "calibration's; it is in truth alone where vision cannot see it.");
-  page.add_heading("Deviation along the path");
   const Axis along{"along the path, mm", 0.0, mm(path.length_m())};
   const Axis across = axis_over("deviation to the left, mm", deviations);
-  for (const DrawnGuidance& drawn : kDrawnGuidances)
-    page.add_html(panels_of(
-        drawn, ways,
-        [&](const std::string& title) {
-          Panel panel(title, along, across);
-          panel.add_line({{along.from, 0.0}, {along.to, 0.0}});
-          return panel;
-        },
-        [](const Points& points) { return points; }));
-  page.add_paragraph(
+  const auto level = [&](const std::string& title) {
+    Panel panel(title, along, across);
+    panel.add_line({{along.from, 0.0}, {along.to, 0.0}});
+    return panel;
+  };
+  page.add_section(
+      "Deviation along the path",
+      panels_of(ways, level, [](const Points& points) { return points; }),
       "Positive is on the left of the way. Steps and spikes are mostly where a motor reverses and "
       "its gear crosses its play.");
 }
@@ -283,7 +279,7 @@ std::string path_page(const PathRequest& path, const std::vector<PathSpeedResult
                       const std::vector<PathLookRow>& looks) {
   HtmlPage page("Following the path " + path.file.filename().string());
   page.add_verdict(path_verdict(results));
-  page.add_html(path_table(path, results).html());
+  page.add_html(path_list(path, results).table_html("speeds"));
   page.add_paragraph(
       "Every look has its distance from the path: seen by vision itself, and true by a virtual "
       "cell's truth. Lag is how far the end point was behind its time.");
@@ -326,12 +322,9 @@ ReportList path_list(const PathRequest& path, const std::vector<PathSpeedResult>
     row.unprinted("reason", result.reason);
     row.unprinted("seconds", result.seconds);
   });
+  list.show("speeds", headline(path) + "; deviation from the path, mm",
+            ReportList::Shown::kAlsoInPrint);
   return list;
-}
-
-TextTable path_table(const PathRequest& path, const std::vector<PathSpeedResult>& results) {
-  const ReportList list = path_list(path, results);
-  return list.table(headline(path) + "; deviation from the path, mm", "speeds");
 }
 
 void write_path_run(const ServoRequest& request, const PathRequest& path, const PathRun& run) {

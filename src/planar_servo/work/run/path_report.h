@@ -31,9 +31,6 @@ bool is_judged(const std::vector<PathSpeedResult>& results);
 /// Lists the deviation from the path by speed.
 ReportList path_list(const PathRequest& path, const std::vector<PathSpeedResult>& results);
 
-/// Returns the same as a table.
-TextTable path_table(const PathRequest& path, const std::vector<PathSpeedResult>& results);
-
 /// Writes run.yaml and report.html into the run's folder.
 void write_path_run(const ServoRequest& request, const PathRequest& path, const PathRun& run);
 

@@ -11,7 +11,9 @@
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/base/io/atomic_file.h"
+#include "planar_servo/base/io/columns.h"
 #include "planar_servo/report/html_page.h"
+#include "planar_servo/report/places.h"
 
 namespace planar {
 
@@ -177,6 +179,16 @@ void list_frames(ReportList& list, const FrameCounts& frames) {
   list.unprinted("camera_reopened", frames.reopened);
 }
 
+/// Lists the figures other than the targets reached and the judged errors.
+ReportList other_list(const ServoFigures& figures) {
+  ReportList list;
+  if (figures.tracker) list_tracker(list, figures);
+  if (figures.is_judged()) list_own_view(list, figures);
+  list_judged(list, figures, list_coverage);
+  if (figures.frames) list_frames(list, *figures.frames);
+  return list;
+}
+
 /// Returns the one line of a list without its end.
 std::string line_of(const ReportList& list) {
   const std::string text = list.text();
@@ -216,6 +228,61 @@ void log_failures(const ServoRun& run) {
                   early_end(*run.ended_by(), run.work_has_moved()).text());
 }
 
+/// Arrows with a mean this much shorter than that of others are invisible at their scale.
+constexpr double kComparable = 0.1;
+
+/// Draws where the arm alone and where vision left the end point: at one scale, unless one of them
+/// would not be seen.
+void add_error_plots(HtmlPage& page, const ServoFigures& figures,
+                     const std::vector<TargetResult>& results) {
+  const bool judged = figures.is_judged();
+  QuiverPanel alone =
+      error_panel("", results, judged ? &TargetResult::before_judged : &TargetResult::before_own);
+  QuiverPanel seeing =
+      error_panel("", results, judged ? &TargetResult::after_judged : &TargetResult::after_own);
+  if (alone.points.empty() || seeing.points.empty()) return;
+  alone.title = "The arm alone";
+  seeing.title = "With vision";
+  const double ratio = judged ? figures.after_judged->mean / figures.before_judged->mean
+                              : figures.after_own->mean / figures.before_own->mean;
+  const bool at_one_scale = ratio > kComparable && ratio * kComparable < 1.0;
+  page.add_section(
+      judged ? "Errors against the " + figures.judge() : "Errors by vision's own estimate",
+      at_one_scale ? plot_html(quiver_panels({alone, seeing}))
+                   : plot_html(quiver_panels({alone})) + plot_html(quiver_panels({seeing})),
+      std::string("Each line leads from a target in the direction of its error; the bar below "
+                  "gives the scale. ") +
+          (at_one_scale ? "Both panels have the same scale and colours."
+                        : "The errors differ so much that each panel has its own scale."));
+}
+
+/// Returns a table of columns of results.csv.
+std::string target_table(const ServoFigures& figures, const std::vector<TargetResult>& results) {
+  std::vector<ShownColumn> shown{
+      {"target"},           {"x_mm", 3}, {"y_mm", 3}, {"iterations"}, {"after_own_view_mm", 4},
+      {"uncertainty_mm", 4}};
+  if (figures.is_judged()) shown.push_back({"after_" + figures.judge() + "_mm", 4});
+  shown.insert(shown.end(), {{"status"}, {"reason"}});
+  ReportList list;
+  for (const TargetResult& result : results) list.row("targets", result_columns(result), shown);
+  list.show("targets", "Distance from each target at the end");
+  return list.table_html("targets");
+}
+
+Verdict servo_verdict(const ServoFigures& figures, const std::optional<Refusal>& end) {
+  Verdict verdict{reached_words(figures), run_faults(figures, "the table below"),
+                  landing_words(figures)};
+  if (end) verdict.faults.push_back(*end);
+  if (verdict.found.empty())
+    verdict.found = "No end point was measured";
+  else if (!figures.is_judged())
+    verdict.found +=
+        ". Nobody else judged this run, and vision cannot see what its calibration "
+        "gets wrong: on a cell with a tracker, --judged measures every target";
+  if (!verdict.faults.empty()) verdict.found = verdict.good + ". " + verdict.found;
+  return verdict;
+}
+
 }  // namespace
 
 Refusal early_end(const std::string& ended_by, bool work_has_moved) {
@@ -245,15 +312,12 @@ double mean_error(const std::vector<TargetResult>& results, TargetError error) {
 ServoFigures figures_of(const std::vector<TargetResult>& results) {
   ServoFigures figures;
   figures.targets = results.size();
-  std::vector<double> iterations, seconds;
-  for (const TargetResult& result : results) {
+  for (const TargetResult& result : results)
     if (result.status == ServoStatus::kReached) ++figures.reached;
-    iterations.push_back(result.iterations);
-    seconds.push_back(result.seconds);
-  }
   if (results.empty()) return figures;
-  figures.iterations_median = median(iterations);
-  figures.seconds_per_target = mean(seconds);
+  figures.iterations_median =
+      median(each(results, [](const TargetResult& result) { return 1.0 * result.iterations; }));
+  figures.seconds_per_target = mean(each(results, &TargetResult::seconds));
   figures.before_own = summary_of(results, &TargetResult::before_own);
   figures.after_own = summary_of(results, &TargetResult::after_own);
   figures.before_judged = summary_of(results, &TargetResult::before_judged);
@@ -274,15 +338,6 @@ QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>
     panel.errors.push_back(*(result.*error));
   }
   return panel;
-}
-
-ReportList other_list(const ServoFigures& figures) {
-  ReportList list;
-  if (figures.tracker) list_tracker(list, figures);
-  if (figures.is_judged()) list_own_view(list, figures);
-  list_judged(list, figures, list_coverage);
-  if (figures.frames) list_frames(list, *figures.frames);
-  return list;
 }
 
 ReportList servo_list(const ServoFigures& figures) {
@@ -363,98 +418,20 @@ ServoFigures conclude_run(const ServoRequest& request, const ServoRun& run,
   return figures;
 }
 
-namespace {
-
-/// Arrows with a mean this much shorter than that of others are invisible at their scale.
-constexpr double kComparable = 0.1;
-
-/// Draws where the arm alone and where vision left the end point: at one scale, unless one of them
-/// would not be seen.
-void add_error_plots(HtmlPage& page, const ServoFigures& figures,
-                     const std::vector<TargetResult>& results) {
-  const bool judged = figures.is_judged();
-  QuiverPanel alone =
-      error_panel("", results, judged ? &TargetResult::before_judged : &TargetResult::before_own);
-  QuiverPanel seeing =
-      error_panel("", results, judged ? &TargetResult::after_judged : &TargetResult::after_own);
-  if (alone.points.empty() || seeing.points.empty()) return;
-  alone.title = "The arm alone";
-  seeing.title = "With vision";
-  page.add_heading(judged ? "Errors against the " + figures.judge()
-                          : "Errors by vision's own estimate");
-  const double ratio = judged ? figures.after_judged->mean / figures.before_judged->mean
-                              : figures.after_own->mean / figures.before_own->mean;
-  const bool at_one_scale = ratio > kComparable && ratio * kComparable < 1.0;
-  if (at_one_scale) {
-    page.add_html(plot_html(quiver_panels({alone, seeing})));
-  } else {
-    page.add_html(plot_html(quiver_panels({alone})));
-    page.add_html(plot_html(quiver_panels({seeing})));
-  }
-  page.add_paragraph(std::string("Each line leads from a target in the direction of its error; the "
-                                 "bar below gives the scale. ") +
-                     (at_one_scale
-                          ? "Both panels have the same scale and colours."
-                          : "The errors differ so much that each panel has its own scale."));
-}
-
-std::string error_words(const std::optional<Eigen::Vector2d>& error) {
-  return error ? fmt::format("{:.4f}", mm(error->norm())) : "–";
-}
-
-TextTable target_table(const ServoFigures& figures, const std::vector<TargetResult>& results) {
-  const bool judged = figures.is_judged();
-  std::vector<std::string> header{"target",      "x mm",        "y mm",
-                                  "corrections", "own view mm", "uncertainty mm"};
-  if (judged) header.push_back(figures.judge() + " mm");
-  header.emplace_back("status");
-  TextTable table("Distance from each target at the end", header);
-  for (const TargetResult& r : results) {
-    std::vector<std::string> row{
-        r.id,
-        fixed(mm(r.p_d.x()), 3),
-        fixed(mm(r.p_d.y()), 3),
-        std::to_string(r.iterations),
-        error_words(r.after_own),
-        r.uncertainty_m ? fmt::format("{:.4f}", mm(*r.uncertainty_m)) : "–"};
-    if (judged) row.push_back(error_words(r.after_judged));
-    row.push_back(r.reason.empty() ? name(r.status) : name(r.status) + (": " + r.reason));
-    table.add_row(std::move(row));
-  }
-  return table;
-}
-
-Verdict servo_verdict(const ServoFigures& figures, const std::optional<Refusal>& end) {
-  Verdict verdict{reached_words(figures), run_faults(figures, "the table below"),
-                  landing_words(figures)};
-  if (end) verdict.faults.push_back(*end);
-  if (verdict.found.empty())
-    verdict.found = "No end point was measured";
-  else if (!figures.is_judged())
-    verdict.found +=
-        ". Nobody else judged this run, and vision cannot see what its calibration "
-        "gets wrong: on a cell with a tracker, --judged measures every target";
-  if (!verdict.faults.empty()) verdict.found = verdict.good + ". " + verdict.found;
-  return verdict;
-}
-
-}  // namespace
-
 std::string servo_page(const std::filesystem::path& cell_file, const ServoFigures& figures,
                        const std::vector<TargetResult>& results,
                        const std::optional<Refusal>& end) {
   HtmlPage page("Positioning with " + cell_file.filename().string());
   page.add_verdict(servo_verdict(figures, end));
-  page.add_style(".words :is(th,td):last-child{text-align:left}");
   add_error_plots(page, figures, results);
   page.add_heading("Other figures");
   page.add_paragraph(other_list(figures).text());
   page.add_heading("Targets");
   page.add_paragraph(
-      "Own view: the distance by vision itself, whose standard uncertainty per axis is stated "
-      "beside it." +
+      "After own view: the distance by vision itself, whose standard uncertainty per axis is "
+      "stated beside it." +
       std::string(figures.is_judged() ? " Last distance: by the " + figures.judge() + "." : ""));
-  page.add_html("<div class=\"words\">\n" + target_table(figures, results).html() + "</div>\n");
+  page.add_html("<div class=\"words\">\n" + target_table(figures, results) + "</div>\n");
   return page.text();
 }
 

@@ -70,9 +70,6 @@ ServoFigures figures_of(const std::vector<TargetResult>& results);
 /// improvement have the suffix of who judged them.
 ReportList servo_list(const ServoFigures& figures);
 
-/// Lists the figures other than the targets reached and the judged errors.
-ReportList other_list(const ServoFigures& figures);
-
 /// Says how many targets were reached, and how fast; a sentence without a full stop.
 std::string reached_words(const ServoFigures& figures);
 

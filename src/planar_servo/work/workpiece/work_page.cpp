@@ -110,17 +110,6 @@ std::string picture_svg(const FoundWork& work, const cv::Mat& image) {
   return svg + "</svg>";
 }
 
-TextTable mark_table(const FoundWork& work) {
-  TextTable table("Marks", {"mark", "drawn mm", "seen at mm", "from the fit mm", "deviation mm",
-                            "diameter mm"});
-  for (const FoundFiducial& mark : work.fiducials)
-    table.add_row({mark.fiducial.id, fixed(mark.fiducial.p_W / kMillimetre, 3, ", "),
-                   fixed(mark.p_B / kMillimetre, 3, ", "),
-                   fixed(mark.residual / kMillimetre, 4, ", "), fixed(mm(mark.sigma), 4),
-                   mark.diameter > 0.0 ? fixed(mm(mark.diameter), 2) : "–"});
-  return table;
-}
-
 ReportList list_of(const FoundWork& work) {
   double largest_residual = 0.0, sigma = 0.0;
   for (const FoundFiducial& mark : work.fiducials) {
@@ -138,6 +127,14 @@ ReportList list_of(const FoundWork& work) {
   list.line("deviation", "{sigma_mm:.4f} mm per axis at the marks", sigma);
   list.unprinted("chance", work.chance);
   list.unprinted("remarks", work.remarks);
+  for (const FoundFiducial& mark : work.fiducials)
+    list.row("marks", {{"mark", mark.fiducial.id},
+                       {"drawn mm", fixed(mark.fiducial.p_W / kMillimetre, 3, ", ")},
+                       {"seen at mm", fixed(mark.p_B / kMillimetre, 3, ", ")},
+                       {"from the fit mm", fixed(mark.residual / kMillimetre, 4, ", ")},
+                       {"deviation mm", fixed(mm(mark.sigma), 4)},
+                       {"diameter mm", mark.diameter > 0.0 ? fixed(mm(mark.diameter), 2) : "–"}});
+  list.show("marks", "Marks");
   return list;
 }
 
@@ -166,9 +163,8 @@ std::string work_page(const std::vector<FoundWork>& works, const cv::Mat& image,
   for (const FoundWork& work : works) {
     if (!work.id.empty()) page.add_heading("Work " + work.id);
     page.add_html(picture_svg(work, image));
-    page.add_html(list_of(work).table("Where it lies in the base frame").html());
     for (const std::string& remark : work.remarks) page.add_paragraph(remark + ".");
-    page.add_html(mark_table(work).html());
+    page.add_html(list_of(work).html("Where it lies in the base frame"));
   }
   return page.text();
 }
