@@ -26,13 +26,13 @@ namespace fs = std::filesystem;
 
 constexpr double kConfidence = 0.95;
 
-struct Column {
+struct CampaignColumn {
   const char* title;
   const char* key;  ///< a key of experiment_list(), or of its part `part`
   const char* part{nullptr};
 };
 
-constexpr Column kColumns[] = {
+constexpr CampaignColumn kColumns[] = {
     {"before", "before_mean_mm_truth", "paper_chain"},
     {"paper's chain", "after_mean_mm_truth", "paper_chain"},
     {"ours", "after_mean_mm_truth"},
@@ -42,11 +42,12 @@ constexpr Column kColumns[] = {
     {"predicted, 95 %", "predicted_p95_mm"},
 };
 
-double value_of(const nlohmann::json& row, const Column& column) {
+double value_of(const nlohmann::json& row, const CampaignColumn& column) {
   return (column.part ? row.at(column.part) : row).at(column.key).get<double>();
 }
 
-std::vector<double> values_of(const std::vector<nlohmann::json>& rows, const Column& column) {
+std::vector<double> values_of(const std::vector<nlohmann::json>& rows,
+                              const CampaignColumn& column) {
   return each(rows, [&](const nlohmann::json& row) { return value_of(row, column); });
 }
 
@@ -68,15 +69,17 @@ TextTable campaign_table(const std::vector<nlohmann::json>& rows) {
   const auto add = [&list](const std::string& name, const auto& text_of) {
     ReportList& row = list.row("cells");
     row.line("drawn cell", name);
-    for (const Column& column : kColumns) row.line(column.title, text_of(column));
+    for (const CampaignColumn& column : kColumns) row.line(column.title, text_of(column));
   };
   for (const nlohmann::json& row : rows)
     add(fmt::format("seed {}", row.at("seed").get<std::uint32_t>()),
-        [&](const Column& column) { return four_decimals(value_of(row, column)); });
-  add("median", [&](const Column& of) { return four_decimals(median(values_of(rows, of))); });
+        [&](const CampaignColumn& column) { return four_decimals(value_of(row, column)); });
+  add("median",
+      [&](const CampaignColumn& of) { return four_decimals(median(values_of(rows, of))); });
   add("95 % interval of the median",
-      [&](const Column& of) { return interval_text(values_of(rows, of)); });
-  add("worst", [&](const Column& of) { return four_decimals(largest(values_of(rows, of))); });
+      [&](const CampaignColumn& of) { return interval_text(values_of(rows, of)); });
+  add("worst",
+      [&](const CampaignColumn& of) { return four_decimals(largest(values_of(rows, of))); });
   list.show("cells", "True positioning error in mm, mean of the control targets");
   return list.table("cells");
 }
@@ -94,7 +97,7 @@ bool is_number_in_all(const std::string& key, const std::vector<nlohmann::json>&
 /// Returns the errors of one cell in words.
 std::string campaign_row_text(const nlohmann::json& row) {
   std::vector<std::string> figures;
-  for (const Column& column : kColumns)
+  for (const CampaignColumn& column : kColumns)
     figures.push_back(fmt::format("{} {}", column.title, four_decimals(value_of(row, column))));
   return fmt::format("{} mm", fmt::join(figures, "; "));
 }
