@@ -128,7 +128,7 @@ Outcome jog_by_lines(const CellSettings& cell, const std::filesystem::path& teac
     if (!interrupted()) std::getline(std::cin, line);
   }
   Outcome outcome = session.outcome();
-  outcome.success = outcome.success || typed.at_terminal();
+  outcome.success = outcome.success || typed.is_typed();
   return outcome;
 }
 

@@ -76,7 +76,7 @@ def is_experiment(text):
 
 
 def faults_of_links(text, folder):
-    links = [link for link in re.findall(r'href="([^"]*)"', text) if not link.startswith("#")]
+    links = [link for link in re.findall(r'href="([^"]*)"', text) if not link.startswith(("#", "data:"))]
     promised = [f"figures/figure_{number:02}.svg" for number in PAPER_FIGURES] + list(OTHER_FIGURES)
     for link in links:
         if not os.path.exists(os.path.join(folder, link)):

@@ -255,7 +255,8 @@ TEST_CASE("A program that does not end with its input is told by signals") {
     CommandLink link(faulty({"stays", "1", (folder / "told").string()}));
     begun_s = clock.now_s();
   }
-  CHECK(clock.now_s() - begun_s == Approx(2.0).margin(0.5));
+  const double ending_s = clock.now_s() - begun_s;
+  CHECK((ending_s >= 2.0 && ending_s < 4.0));  // of which a busy computer takes some
   CHECK(read_file(folder / "told") == "told");
 }
 

@@ -32,13 +32,17 @@ struct Script {
   double braking_s{0.0};
   std::function<void(MachineState&)> when_stopped{[](MachineState& told) { told.moving = false; }};
   bool is_gone{false}, refuses{false}, refuses_to_tell{false}, refuses_to_stop{false};
+  bool refuses_current{false};
   int moves_told{0};
 };
 
 class ScriptedMachine final : public MachineLink {
  public:
   explicit ScriptedMachine(Script& script) : script_(script) {}
-  void switch_on() override { script_.state.on = true; }
+  void switch_on() override {
+    if (script_.refuses_current) throw MachineRefusal("the door is open", Cause::kDevice);
+    script_.state.on = true;
+  }
   void go_to(const Pulses&, const std::array<DriveLimits, 3>&) override {
     if (script_.refuses) throw MachineRefusal("the door is open", Cause::kUnreachable);
     ++script_.moves_told;
@@ -118,6 +122,23 @@ TEST_CASE("A machine that has not begun its move is told from one that came to r
   CHECK_THAT(status.faults[0], Contains("came to rest at"));
   CHECK((status.faults[0].find("did not begin") == std::string::npos) ==
         (script.state.counts[0] == 500));
+}
+
+TEST_CASE("A move that failed is not forgotten by an enable that is refused") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  make_ready(drives);
+  drives.set_targets({1000, 0, 0});
+  script.state.moving = false;
+  script.state.counts[0] = 500;
+  REQUIRE(drives.status()[0].faults.size() == 1);
+  script.refuses_current = true;
+  CHECK_THROWS_MATCHES(drives.energize(), DriveError, Refused(Cause::kDevice, "door"));
+  CHECK_THROWS_MATCHES(drives.set_targets({0, 0, 0}), DriveError,
+                       Refused(Cause::kDevice, "came to rest at 500"));
+  script.refuses_current = false;
+  drives.energize();
+  CHECK_NOTHROW(drives.set_targets({0, 0, 0}));
 }
 
 TEST_CASE("A machine that says that it lost its position is told by its own count of losses") {

@@ -284,6 +284,19 @@ TEST_CASE("An order to stop goes by another connection where one is torn, or is 
   CHECK_THROWS_MATCHES(link.stop(), WorkError, Refused(Cause::kDevice, "connection"));
 }
 
+TEST_CASE("A move is stopped by another connection once that for stops is torn") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  LinuxcncLink link(rsh.host);
+  link.switch_on();
+  rsh.torn = 1;
+  REQUIRE(test::eventually([&] { return rsh.torn == 0; }));
+  const DriveLimits rated = rsh.host.joints[0].rated;
+  link.go_to({100, 100, 100}, {rated, rated, rated});
+  CHECK_THROWS_MATCHES(link.read(), WorkError, Refused(Cause::kDevice, "closed the connection"));
+  CHECK(test::eventually([&] { return !rsh.told("set abort").empty(); }));
+}
+
 /// Ends the one process that this thread has begun.
 void kill_child() {
   std::ifstream children("/proc/thread-self/children");

@@ -56,6 +56,11 @@ if ! command -v script >/dev/null; then
   echo "script is not installed: a terminal was not tried"
   exit 0
 fi
+# Who types sees what is refused, also where the answers go into a pipe: it is no failure.
+printf '%s\n' 'jonit 2 5' where quit |
+  script -qec "bash -o pipefail -c '$bin/planar-jog --cell cell/cell.yaml | cat'" /dev/null >screen.txt ||
+  fail "$(cat screen.txt)"
+grep -q "end point" screen.txt || fail "$(cat screen.txt)"
 mkfifo keys
 script -qec "$bin/planar-jog --cell cell/cell.yaml --teach taught.csv" /dev/null <keys >screen.txt 2>&1 &
 jog=$!

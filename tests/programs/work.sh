@@ -22,6 +22,7 @@ put 200,150,12
 "${find_work[@]}" --drawing work.csv -o work.yaml --json found.json --report work.html >printed.txt 2>err.txt
 expect_sample printed.txt "${find_work[0]}"
 grep -q "data:image/jpeg" work.html || fail "the page has no picture"
+grep -q "^<title>The picture, with a circle around each mark" work.html || fail "the page does not say what its picture shows"
 python3 - <<'END' || fail "the work is not where it was put: $(cat found.json)"
 import json, math
 found = json.load(open("found.json"))

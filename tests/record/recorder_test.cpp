@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <functional>
 #include <limits>
 #include <sstream>
 
@@ -380,6 +381,17 @@ std::vector<std::string> ids_in_tables(const RecordRequest& request) {
   return ids;
 }
 
+/// Returns what is logged meanwhile.
+std::string said_by(const std::function<void()>& deed) {
+  std::ostringstream said;
+  const auto usual = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "said", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+  deed();
+  spdlog::set_default_logger(usual);
+  return said.str();
+}
+
 TEST_CASE("A place whose program was killed between its reading and its frames has one reading") {
   const test::TemporaryFolder folder;
   const RecordRequest request = two_places(folder);
@@ -395,7 +407,8 @@ TEST_CASE("A place whose program was killed between its reading and its frames h
   cut("frames.csv", false);
   cut("tracker.csv", true);
   NotingDevices again;
-  record(request, again);
+  const std::string told = said_by([&] { record(request, again); });
+  CHECK(told.find(id + ": a reading without frames") != std::string::npos);
   CHECK(ids_in_tables(request) == Ids{"t0", "t1", "t0", "t1"});
 }
 
@@ -515,13 +528,9 @@ TEST_CASE("A place where no lamps are seen is named at once, not when all are re
   NotingDevices devices;  // its pictures are black
   devices.answers.push_back(TrackerAnswer::of({}));
   devices.answers.resize(4, TrackerAnswer::failed("the beam is broken"));
-  std::ostringstream said;
-  const auto usual = spdlog::default_logger();
-  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
-      "said", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
-  CHECK_THROWS_AS(record(two_places(folder), devices), WorkError);
-  spdlog::set_default_logger(usual);
-  CHECK(said.str().find("t0: no pair of lamps is seen") != std::string::npos);
+  const std::string told =
+      said_by([&] { CHECK_THROWS_AS(record(two_places(folder), devices), WorkError); });
+  CHECK(told.find("t0: no pair of lamps is seen") != std::string::npos);
 }
 
 TEST_CASE("Somebody who measures by hand may skip a place, repeat it, or keep the reading") {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/checksum.h"
@@ -13,7 +14,6 @@
 #include "planar_servo/files/provenance.h"
 #include "planar_servo/files/tables/pair_table.h"
 #include "planar_servo/offline/plan/predicted_positioning.h"
-#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {

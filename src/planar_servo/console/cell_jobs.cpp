@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/files/calibrated_cell.h"
 #include "planar_servo/files/tool_file.h"
@@ -247,10 +248,8 @@ void CellJobs::hold(const std::string& reason) {
 }
 
 void CellJobs::note_findings(const std::vector<HealthFinding>& found) {
-  std::vector<Refusal> findings;
-  findings.reserve(found.size());
-  for (const Refusal& finding : found) findings.push_back(finding.at("the check of the cell"));
-  worker_.note_findings(std::move(findings));
+  worker_.note_findings(
+      each(found, [](const Refusal& finding) { return finding.at("the check of the cell"); }));
   const bool tolerable = std::none_of(found.begin(), found.end(), [](const HealthFinding& finding) {
     return finding.cost_m > kTolerable_m;
   });

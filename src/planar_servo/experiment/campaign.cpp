@@ -10,13 +10,13 @@
 #include <numeric>
 #include <system_error>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/experiment/experiment_report.h"
 #include "planar_servo/report/html_page.h"
-#include "planar_servo/report/places.h"
 #include "planar_servo/report/report_list.h"
 
 namespace planar {
@@ -73,13 +73,11 @@ TextTable campaign_table(const std::vector<nlohmann::json>& rows) {
   };
   for (const nlohmann::json& row : rows)
     add(fmt::format("seed {}", row.at("seed").get<std::uint32_t>()),
-        [&](const CampaignColumn& column) { return four_decimals(value_of(row, column)); });
-  add("median",
-      [&](const CampaignColumn& of) { return four_decimals(median(values_of(rows, of))); });
+        [&](const auto& column) { return four_decimals(value_of(row, column)); });
+  add("median", [&](const auto& of) { return four_decimals(median(values_of(rows, of))); });
   add("95 % interval of the median",
-      [&](const CampaignColumn& of) { return interval_text(values_of(rows, of)); });
-  add("worst",
-      [&](const CampaignColumn& of) { return four_decimals(largest(values_of(rows, of))); });
+      [&](const auto& of) { return interval_text(values_of(rows, of)); });
+  add("worst", [&](const auto& of) { return four_decimals(largest(values_of(rows, of))); });
   list.show("cells", "True positioning error in mm, mean of the control targets");
   return list.table("cells");
 }

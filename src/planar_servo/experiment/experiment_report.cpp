@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
@@ -217,11 +218,7 @@ std::string marks_text(const ExperimentReport& report) {
 constexpr double kFarBeyondPrediction = 2.0;
 
 /// The files that an experiment leaves in its folder, and what they hold.
-struct LeftFile {
-  const char* file;
-  const char* what;
-};
-constexpr LeftFile kLeftFiles[] = {
+constexpr std::pair<const char*, const char*> kLeftFiles[] = {
     {"figures.json", "every figure and table of this page"},
     {"errors.svg", "the picture at the top"},
     {"plan.csv", "what was recorded"},
@@ -362,9 +359,9 @@ void add_plots(HtmlPage& page, const std::vector<ReportPlot>& plots, const fs::p
 
 void add_files(HtmlPage& page, const fs::path& out) {
   std::string rows;
-  for (const LeftFile& left : kLeftFiles)
-    if (fs::exists(out / left.file))
-      rows += fmt::format("<li><a href=\"{0}\">{0}</a>: {1}</li>\n", left.file, left.what);
+  for (const auto& [file, what] : kLeftFiles)
+    if (fs::exists(out / file))
+      rows += fmt::format("<li><a href=\"{0}\">{0}</a>: {1}</li>\n", file, what);
   if (rows.empty()) return;
   page.add_heading("Files");
   page.add_html("<ul>\n" + rows + "</ul>\n");
@@ -421,11 +418,11 @@ void add_results(HtmlPage& page, const ExperimentReport& report, const ReportPlo
   page.add_heading("Improvement");
   page.add_paragraph(worth_words(report));
   add_plots(page, plots.worth, out);
-  if (figures_of(report.ours).after_judged) {
+  if (figures_of(report.ours).after_judged)
     page.add_section("Largest errors",
                      worst_table(report) + plot_html(quiver_panels({errors.back()})),
-                     "The errors of our chain once more, at scales of their own.");
-  }
+                     "Uncertainty: the standard one per axis that our chain states. The errors "
+                     "are drawn once more, at scales of their own.");
   page.add_heading("Coverage");
   page.add_paragraph(coverage_words(report));
   add_plots(page, plots.coverage, out);

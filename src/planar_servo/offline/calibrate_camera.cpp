@@ -7,11 +7,11 @@
 #include <cmath>
 #include <optional>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/io/terminal.h"
 #include "planar_servo/calibration/view_choice.h"
 #include "planar_servo/files/camera_file.h"
 #include "planar_servo/files/tables/recording_tables.h"
-#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {

@@ -9,12 +9,12 @@
 #include <mutex>
 #include <utility>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/threads.h"
 #include "planar_servo/files/calibration_files.h"
 #include "planar_servo/lamps/lamp_center.h"
 #include "planar_servo/lamps/lamp_tracker.h"
-#include "planar_servo/report/places.h"
 
 namespace planar {
 

@@ -12,10 +12,10 @@ void doubt_left_out(std::size_t left_out, std::size_t all, const std::string& wo
                     Verdict& verdict) {
   constexpr double kFew = 0.05;
   if (static_cast<double>(left_out) > kFew * static_cast<double>(all))
-    verdict.faults.push_back(
-        {fmt::format("{} of {} {} left out", left_out, all, words),
-         "look at the images and readings of those that are named below, and record these places "
-         "again"});
+    verdict.doubt(
+        fmt::format("{} of {} {} left out", left_out, all, words),
+        "look at what was recorded of those that are named below, and record these places "
+        "again");
 }
 
 HtmlPage page_about(const std::string& what, const fs::path& file, const Verdict& verdict) {

@@ -1,21 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
-#include <type_traits>
 #include <vector>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/report/axis.h"
 
 namespace planar {
-
-/// Returns `of` of every element: its member, or a function's value.
-template <typename Elements, typename Of>
-auto each(const Elements& elements, Of of) {
-  std::vector<std::decay_t<decltype(std::invoke(of, *std::begin(elements)))>> all;
-  for (const auto& element : elements) all.push_back(std::invoke(of, element));
-  return all;
-}
 
 /// Returns a circle in equal pieces from its +x side on, where it ends as well.
 std::vector<Eigen::Vector2d> circle_of(const Eigen::Vector2d& center, double radius,

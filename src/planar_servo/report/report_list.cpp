@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/columns.h"
@@ -205,9 +206,9 @@ void ReportList::row(const std::string& key, const Columns& csv,
                      const std::vector<ShownColumn>& shown) {
   ReportList& added = row(key);
   for (const auto& [name, decimals] : shown) {
-    const auto field =
-        std::find_if(csv.written().begin(), csv.written().end(),
-                     [name = &name](const WrittenField& each) { return each.column == *name; });
+    const auto field = std::find_if(
+        csv.written().begin(), csv.written().end(),
+        [name = &name](const WrittenField& written) { return written.column == *name; });
     if (field == csv.written().end()) throw std::logic_error("a table has no column " + name);
     const bool is_number = field->kind == FieldKind::kNumber;
     const auto number = is_number ? finite_number(field->text) : std::nullopt;
@@ -251,12 +252,10 @@ TextTable ReportList::table(const std::string& key) const {
   });
   if (named == lines_.end()) throw std::logic_error("a table has no title: " + key);
   const std::vector<ReportList>& rows = rows_.at(key);
-  std::vector<std::string> names;
-  for (const Line& cell : rows.at(0).lines_) names.push_back(cell.name);
+  const auto names = each(rows.at(0).lines_, &Line::name);
   TextTable table(named->name, names);
   for (const ReportList& row : rows) {
-    std::vector<std::string> cells;
-    for (const Line& cell : row.lines_) cells.push_back(cell.is_shown ? cell.text : "–");
+    auto cells = each(row.lines_, [](const Line& cell) { return cell.is_shown ? cell.text : "–"; });
     cells.resize(std::max(cells.size(), names.size()));
     table.add_row(std::move(cells));
   }

@@ -79,7 +79,7 @@ class ReportList {
   void append(const ReportList& other);
   /// Adds the figures of another list without its lines.
   void append_figures(const ReportList& other) { json_.update(other.json_); }
-  /// Begins another row of a table, whose figures are not added, and returns it.
+  /// Begins another row of a table, whose figures are not added, and returns it until the next.
   ReportList& row(const std::string& key) { return rows_[key].emplace_back(); }
   /// Adds a row of ready texts behind their columns' names, of which those of the first row count.
   void row(const std::string& key, const std::vector<std::pair<std::string, std::string>>& cells) {

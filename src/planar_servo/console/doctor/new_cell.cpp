@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -141,9 +142,7 @@ std::string new_cell_text(const DriveKind& kind) {
 }  // namespace
 
 std::vector<std::string> new_cell_drives() {
-  std::vector<std::string> names;
-  for (const DriveKind* kind : device_kinds().drives) names.push_back(kind->name());
-  return names;
+  return each(device_kinds().drives, &DriveKind::name);
 }
 
 void write_new_cell(const std::filesystem::path& path, const std::string& drives) {

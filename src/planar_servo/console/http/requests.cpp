@@ -99,9 +99,8 @@ Json tell_path(const Asked& asked) {
 }
 
 void send_jpeg(Response& response, const Pictures::Jpeg& jpeg) {
-  constexpr int kNoContent = 204;
   if (!jpeg.bytes) {
-    response.status = kNoContent;
+    response.status = 204;
     return;
   }
   response.set_header("X-Picture-Seq", std::to_string(jpeg.number));

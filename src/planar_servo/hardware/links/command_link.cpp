@@ -96,13 +96,14 @@ ChildProgram::~ChildProgram() {
 
 bool ChildProgram::ends_within(double patience_s) {
   constexpr std::chrono::milliseconds kPoll{2};
-  for (double waited_s = 0.0;; waited_s += std::chrono::duration<double>(kPoll).count()) {
+  const std::chrono::duration<double> patience(patience_s);
+  for (const auto begun = std::chrono::steady_clock::now();;) {
     if (process_ == -1) return true;
     if (waitpid(process_, &status_, WNOHANG) != 0) {
       process_ = -1;
       return true;
     }
-    if (waited_s >= patience_s) return false;
+    if (std::chrono::steady_clock::now() - begun >= patience) return false;
     std::this_thread::sleep_for(kPoll);
   }
 }

@@ -171,9 +171,9 @@ void LinkedDrives::energize() {
   command("be switched on", [this] {
     take(link_->read());  // it may have been restarted
     if (state_.moving) brake_to_rest();
-    missed_.clear();
     rest_.reset();  // a motor may turn a little as it gets its current
     link_->switch_on();
+    missed_.clear();
     take(link_->read());
     was_on_ = state_.on;
   });

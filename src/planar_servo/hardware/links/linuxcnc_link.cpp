@@ -587,7 +587,12 @@ MachineState LinuxcncLink::read() {
   const auto now = Clock::now();
   if (state.counts != here_) changed_ = now;
   here_ = state.counts;
-  while (stopper_.hear(0.0)) stop_heard_ = true;
+  try {
+    while (stopper_.hear(0.0)) stop_heard_ = true;
+  } catch (const WorkError&) {
+    mover_.send(stop_words(host_));  // DeadMansHandle has no connection left
+    throw;
+  }
   hear_mover(0.0);
   // Motors without current stand anywhere.
   if (was_on_ && !state.on) ++losses_;

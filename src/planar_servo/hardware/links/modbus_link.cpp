@@ -296,6 +296,7 @@ void ModbusLink::end_search() {
 }
 
 MachineState ModbusLink::read() {
+  const Clock::time_point looked = Clock::now();  // answers that are repeated take long
   MachineState state;
   state.on = true;
   const ModbusMap& map = line_.map;
@@ -316,14 +317,14 @@ MachineState ModbusLink::read() {
                                              read_value(i, *map.alarm, "alarm"), map.alarm->address)
                                : fmt::format("{} reports a fault", name(i)));
   }
-  if (std::string one = left_behind(state); !one.empty()) {
+  if (std::string one = left_behind(state, looked); !one.empty()) {
     state.faults.push_back(std::move(one));
     state.stopped_by_hand = true;  // its own inputs may have stopped it
   }
   if (was_on_ && !state.on) ++losses_;
   was_on_ = state.on;
   state.losses = losses_;
-  const bool begins = Clock::now() - started_ < kBeginning;
+  const bool begins = looked - started_ < kBeginning;
   if (target_ && state.counts != *target_ && begins && state.faults.empty()) state.moving = true;
   if (search_ && begins && state.faults.empty()) state.moving = true;
   if (search_ && !state.moving) end_search();
@@ -331,7 +332,7 @@ MachineState ModbusLink::read() {
   state.homing = search_.has_value();
   here_ = state.counts;
   if (proof_) {
-    follow_proof(state.moving);
+    follow_proof(state);
     state.moving = true;
   }
   may_move_ = may_move_ && (state.moving || begins);
@@ -340,11 +341,11 @@ MachineState ModbusLink::read() {
 
 /// Returns which driver rests on its way while others move, which leaves the way that was checked;
 /// empty when none does.
-std::string ModbusLink::left_behind(const MachineState& state) const {
+std::string ModbusLink::left_behind(const MachineState& state, Clock::time_point looked) const {
   constexpr double kTurn = 1.0 / 360.0;  // by as much a closed loop may rest beside its target
   for (std::size_t i = 0; i < 3 && target_ && state.moving; ++i) {
     const int off = std::abs(state.counts[i] - (*target_)[i]);
-    if (off > kTurn * line_.counts_per_turn[i] && Clock::now() - turned_[i] > kBeginning)
+    if (off > kTurn * line_.counts_per_turn[i] && looked - turned_[i] > kBeginning)
       return fmt::format("{} rests at {} counts on its way to {}, while others move", name(i),
                          state.counts[i], (*target_)[i]);
   }
@@ -393,13 +394,14 @@ void ModbusLink::begin_proof(const Pulses& then, const std::array<DriveLimits, 3
   start(moves);
 }
 
-void ModbusLink::follow_proof(bool moves) {
+void ModbusLink::follow_proof(const MachineState& state) {
   constexpr std::chrono::milliseconds kPatience{1000};
   const auto [motor, from, count, then, limits] = *proof_;
   const long made = long{here_[motor]} - from;
   const bool is_near = std::abs(made) <= 2 * std::abs(count - from);
   const auto since = Clock::now() - started_;
-  proven_ = is_near && shows_order(made) && !moves && since > kBeginning;
+  const bool may_go = state.on && !state.moving && state.faults.empty() && since > kBeginning;
+  proven_ = is_near && shows_order(made) && may_go;
   if (proven_) {
     proof_.reset();
     return go_to(then, limits);
@@ -409,8 +411,8 @@ void ModbusLink::follow_proof(bool moves) {
   throw MachineRefusal(
       {fmt::format("{} was sent from {} to {} and {} at {}", name(motor), from, count,
                    is_near ? "stays" : "says that it is", here_[motor]),
-       is_near ? "the map's `move` or `start` does not start it, or it takes so short a way for "
-                 "none: look in its manual, or turn this motor by hand while it is off"
+       is_near ? "the map's `move` or `start` does not start it, `moving` is another bit, or it "
+                 "takes this way for none: look in its manual, or turn it by hand while it is off"
                : "the two words of its position may be exchanged: look at word_order in the map",
        "", is_near ? Cause::kDevice : Cause::kContradiction});
 }

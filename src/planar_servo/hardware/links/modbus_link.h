@@ -59,6 +59,8 @@ class ModbusLink final : public MachineLink {
   const LineErrors& errors() const { return errors_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   struct Move {
     long position, speed, acceleration;
   };
@@ -91,14 +93,12 @@ class ModbusLink final : public MachineLink {
   Move move_of(std::size_t motor, long target, const MoveTime& time, DriveLimits limits) const;
   void start(const std::array<Move, 3>& moves);
   void watch_search(long status);
-  std::string left_behind(const MachineState& state) const;
+  std::string left_behind(const MachineState& state, Clock::time_point looked) const;
   void end_search();
   void check_word_order(const Pulses& counts);
   void begin_proof(const Pulses& then, const std::array<DriveLimits, 3>& limits);
-  void follow_proof(bool moves);
+  void follow_proof(const MachineState& state);
   std::string name(std::size_t motor) const;
-
-  using Clock = std::chrono::steady_clock;
 
   ModbusLine line_;
   std::unique_ptr<modbus_t, void (*)(modbus_t*)> context_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string_view>
 
 #include "planar_servo/base/io/csv_fields.h"
 #include "planar_servo/base/io/yaml_reader.h"
@@ -112,8 +113,8 @@ void read_text(YamlReader& file, const char* key, Value& value, const Parse& par
 }
 
 constexpr char kWriteRule[] =
-    "write REGISTER: VALUE..., each a number up to 0xffff, position, speed or acceleration, with "
-    "/2 where it fills two registers";
+    "write REGISTER: VALUE..., each a number up to 0xffff, in move also position, speed or "
+    "acceleration, with /2 where it fills two registers";
 constexpr char kReadRule[] = "write REGISTER WORDS, such as 0x1014 2";
 constexpr char kBitRule[] =
     "write the number of a bit of the status, or not N, in quotes; the mask 0x0004 is bit 2";
@@ -147,6 +148,17 @@ void read_register(YamlReader& file, const char* key, RegisterRead& value) {
       kReadRule);
 }
 
+/// Refuses what only a move has; it would be written as 0.
+void check_numbers(YamlReader& file, const char* key, const RegisterWrite& write) {
+  for (const RegisterValue& value : write.values)
+    if (value.what != What::kNumber)
+      file.check(
+          false,
+          {fmt::format("{} writes {}, which only `move` has", key, name_in(kValues, value.what)),
+           "write a number"},
+          key);
+}
+
 void read_writes(YamlReader& file, const char* key, std::vector<RegisterWrite>& writes,
                  bool is_needed) {
   if (!is_needed && !file.given(key)) return;
@@ -157,8 +169,22 @@ void read_writes(YamlReader& file, const char* key, std::vector<RegisterWrite>& 
     file.check(write.has_value(), {fmt::format("'{}' is not understood", text), kWriteRule}, key);
     if (!write) continue;
     check_address(file, key, text, write->address);
+    if (std::string_view(key) != "move") check_numbers(file, key, *write);
     writes.push_back(*write);
   }
+}
+
+/// Returns whether a write fills a register of `start` with what may start the driver.
+bool may_start(const RegisterWrite& write, const RegisterWrite& start) {
+  const RegisterValue& starter = start.values[0];
+  int begin = write.address;
+  for (const RegisterValue& value : write.values) {
+    const int end = begin + value.words;
+    const bool meets = begin < start.address + starter.words && start.address < end;
+    if (meets && (value.what != What::kNumber || value.number == starter.number)) return true;
+    begin = end;
+  }
+  return false;
 }
 
 /// Checks what one key cannot tell.
@@ -171,8 +197,7 @@ void check_whole(YamlReader& file, const ModbusMap& map) {
   file.check(map.position.words == 2 || map.position.words == 0,
              {"position is one register", "a position needs two: REGISTER 2"}, "position");
   for (const RegisterWrite& write : map.move)
-    file.check(!map.start || write.address != map.start->address ||
-                   write.values[0].number != map.start->values[0].number,
+    file.check(!map.start || !may_start(write, *map.start),
                {"start is written by move, too, so that each joint would begin before the others",
                 "leave it out of move, or leave start out", "", Cause::kContradiction},
                "start");
@@ -236,7 +261,8 @@ std::optional<Refusal> ModbusMap::misfit(const DriveLimits& limits, double count
                     most, speed.size, name_in(kSpeeds, speed.unit)),
         "compare the map's speed with the manual, or raise the limit"};
   const bool is_ramp = acceleration.unit == ModbusAcceleration::kMsPer1000Rpm;
-  if (is_ramp && acceleration_number(limits.acceleration_pulses_s2, counts_per_turn) >= longest_ramp)
+  if (is_ramp &&
+      acceleration_number(limits.acceleration_pulses_s2, counts_per_turn) >= longest_ramp)
     return Refusal{fmt::format("the cell's acceleration takes a ramp of {} or more in the driver's "
                                "numbers, its longest",
                                longest_ramp),
@@ -266,6 +292,7 @@ ModbusMap read_modbus_map(const std::filesystem::path& path) {
   read_writes(file, "home_reverse", map.home_reverse, false);
   read_writes(file, "home_forward", map.home_forward, false);
   if (file.given("start")) read_text(file, "start", map.start, write_of, kWriteRule);
+  if (map.start) check_numbers(file, "start", *map.start);
   read_rate(file, "speed", map.speed, kSpeeds);
   if (!map.values_of(What::kAcceleration).empty() || file.given("acceleration"))
     read_rate(file, "acceleration", map.acceleration, kAccelerations);

@@ -126,7 +126,7 @@ void improve_width(JointEquations& equations, double radius, JointPriors& priors
       JointPriors next = priors;
       next.field_width = std::clamp(step * priors.field_width, kLeastOverRadius * radius, radius);
       const double there = log_likelihood_under(equations, next);
-      if (there <= most) break;
+      if (!(there > most)) break;
       most = there;
       priors = next;
     }

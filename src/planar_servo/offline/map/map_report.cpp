@@ -157,9 +157,7 @@ void list_sources(ReportList& list, const LampFieldFit& fit) {
 constexpr double kLeastCoverage = 0.85;
 
 std::vector<Eigen::Vector2d> columns_of(const Eigen::Matrix2Xd& matrix) {
-  std::vector<Eigen::Vector2d> columns;
-  for (const auto& column : matrix.colwise()) columns.emplace_back(column);
-  return columns;
+  return each(matrix.colwise(), [](const auto& column) { return Eigen::Vector2d(column); });
 }
 
 constexpr char kContradicting[] = "pairs contradict the others and were";

@@ -6,10 +6,10 @@
 #include <map>
 #include <optional>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/offline/calibrate_camera.h"
-#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {

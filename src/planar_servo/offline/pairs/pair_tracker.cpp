@@ -8,13 +8,13 @@
 #include <set>
 #include <utility>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/geometry/arm/planar_arm.h"
 #include "planar_servo/geometry/lens/workplane.h"
 #include "planar_servo/geometry/tool/tips.h"
-#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {

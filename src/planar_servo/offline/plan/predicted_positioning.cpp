@@ -5,10 +5,10 @@
 #include <utility>
 #include <variant>
 
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/files/calibration_files.h"
-#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "planar_servo/base/core/decompositions.h"
+#include "planar_servo/base/core/each.h"
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/pose.h"
 #include "planar_servo/base/core/statistics.h"
@@ -21,7 +22,6 @@
 #include "planar_servo/learn/field/lamp_field.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/plan/experiment_plan.h"
-#include "planar_servo/report/places.h"
 
 namespace planar {
 namespace {

@@ -1,6 +1,7 @@
 #include "planar_servo/work/record/recording_readings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -29,12 +30,12 @@ bool RecordingReadings::are_left(std::size_t row) const {
 
 void RecordingReadings::read_first_monuments() {
   if (!reads_) return;
-  if (begun_.drops_readings) {
+  if (!begun_.dropped.empty()) {
     std::string table = tracker_header();
     for (const TrackerRow& reading : begun_.readings) table += tracker_line(reading);
     write_file(request_.recording / "tracker.csv", table);
-    spdlog::warn(
-        "a reading without frames, as a kill leaves it, is dropped and its place repeated");
+    spdlog::warn("{}: a reading without frames, as a kill leaves it, is dropped and repeated",
+                 fmt::join(begun_.dropped, ", "));
   }
   if (begun_.has_monuments) {
     spdlog::info(

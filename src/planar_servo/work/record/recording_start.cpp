@@ -126,8 +126,10 @@ void take_readings(const RecordRequest& request, const std::vector<TrackerRow>& 
   for (const PlanRow& row : request.plan)
     if (needs_reading(row.plan) && !begun.has(row)) unread.insert(row.id);
   for (const TrackerRow& row : readings) {
-    begun.drops_readings |= unread.count(row.id) != 0;
-    if (unread.count(row.id) != 0) continue;
+    if (unread.count(row.id) != 0) {
+      begun.dropped.insert(row.id);
+      continue;
+    }
     begun.readings.push_back(row);
     if (!is_monument(request.cell, row.id))
       begun.last_monuments.emplace();

@@ -26,7 +26,7 @@ void require_tracker(const RecordRequest& request);
 struct BegunRecording {
   std::set<std::string> ids;
   std::vector<TrackerRow> readings;  ///< of monuments and of places with frames
-  bool drops_readings{false};        ///< of others
+  std::set<std::string> dropped;     ///< the places of others
   /// The first monuments are there; one that was broken off among them reads them again.
   bool has_monuments{false};
   /// Readings of the cell's monuments before the first reading of a place.

@@ -74,8 +74,8 @@ std::string picture_svg(const FoundWork& work, const cv::Mat& image) {
   };
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-      "height=\"{1}\" style=\"max-width:100%;height:auto\" role=\"img\" aria-label=\"The picture, "
-      "with a circle around each mark that was found and the drawing's axes\">"
+      "height=\"{1}\" role=\"img\">\n<title>The picture, with a circle around each mark that "
+      "was found and the drawing's axes</title>\n"
       "<image width=\"{0}\" height=\"{1}\" href=\"data:image/jpeg;base64,{2}\"/>",
       shown.cols, shown.rows, base64(jpeg));
   const auto line = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to, const char* color) {
