@@ -19,7 +19,8 @@ using test::JogBench;
 class TurnedLens final : public FrameSource {
  public:
   double blur_px{0.0};
-  cv::Rect region_px;  ///< of the frame taken last
+  bool over_plate{false};  ///< grey beyond the dark round the lamps
+  cv::Rect region_px;      ///< of the frame taken last
 
   explicit TurnedLens(FrameSource& camera) : camera_(camera) {}
   cv::Size sensor_size_px() const override { return camera_.sensor_size_px(); }
@@ -27,6 +28,12 @@ class TurnedLens final : public FrameSource {
   FrameResult next_frame() override {
     FrameResult result = camera_.next_frame();
     region_px = result.frame.region_px;
+    if (over_plate) {
+      cv::Mat near_lamps;
+      cv::dilate(result.frame.image > 60, near_lamps, cv::Mat::ones(13, 13, CV_8U));
+      result.frame.image = result.frame.image.clone();
+      result.frame.image.setTo(80, ~near_lamps);
+    }
     if (blur_px > 0.0) {
       cv::Mat blurred;
       cv::GaussianBlur(result.frame.image, blurred, {}, blur_px);
@@ -108,6 +115,13 @@ TEST_CASE("An edge is as wide as its blur makes it from a fifth to four fifths o
   bench.lens.blur_px = 2.0;
   CHECK(figures_of(bench.finder.focus()).mean ==
         Approx(kSigmas * std::hypot(kSharp_px, 2.0)).epsilon(0.15));
+}
+
+TEST_CASE("A grey plate beneath the lamps does not widen their edges") {
+  LensBench bench;
+  const FocusFigures bare = figures_of(bench.finder.focus());
+  bench.lens.over_plate = true;
+  CHECK(figures_of(bench.finder.focus()).mean == Approx(bare.mean).epsilon(0.1));
 }
 
 TEST_CASE("While a lens is turned only the region of the lamps is read, until they are lost") {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "planar_servo/base/core/error.h"
@@ -41,8 +42,9 @@ int level_reached(const LevelHistogram& levels, int n) {
 }
 
 /// Returns how wide a lamp's edge is, from a fifth to four fifths of its contrast: as many pixels
-/// lie between these levels as the edge is long times its width. Unlike the blur of a fitted rim it
-/// grows on however far the lens is out of focus.
+/// lie between these levels as the edge is long times its width, the dark round the lamp apart from
+/// what else is grey. Unlike the blur of a fitted rim it grows on however far the lens is out of
+/// focus.
 double edge_width_px(const Frame& frame, const LampPair& pair, std::size_t index) {
   constexpr double kLow = 0.2, kHigh = 0.8;
   const LampCenter& lamp = pair.lamps[index];
@@ -55,7 +57,12 @@ double edge_width_px(const Frame& frame, const LampPair& pair, std::size_t index
   const double low = lamp.look.background + kLow * lamp.look.contrast();
   const double high = lamp.look.background + kHigh * lamp.look.contrast();
   const cv::Mat around = frame.image(window);
-  const int on_edge = cv::countNonZero((around > low) & (around < high));
+  cv::Mat parts;
+  cv::connectedComponents(around > low, parts);
+  const cv::Point inside(static_cast<int>(center.x()) - window.x,
+                         static_cast<int>(center.y()) - window.y);
+  if (!cv::Rect({}, window.size()).contains(inside)) return 0.0;
+  const int on_edge = cv::countNonZero((parts == parts.at<int>(inside)) & (around < high));
   return on_edge / (kPi * lamp.diameter_px);
 }
 
