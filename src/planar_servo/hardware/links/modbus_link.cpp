@@ -398,7 +398,7 @@ void ModbusLink::follow_proof(const MachineState& state) {
   constexpr std::chrono::milliseconds kPatience{1000};
   const auto [motor, from, count, then, limits] = *proof_;
   const long made = long{here_[motor]} - from;
-  const bool is_near = std::abs(made) <= 2 * std::abs(count - from);
+  const bool is_near = std::abs(made) <= 2L * std::abs(count - from);
   const auto since = Clock::now() - started_;
   const bool may_go = state.on && !state.moving && state.faults.empty() && since > kBeginning;
   proven_ = is_near && shows_order(made) && may_go;
