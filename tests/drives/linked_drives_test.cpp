@@ -110,13 +110,18 @@ TEST_CASE(
     CHECK_NOTHROW(drives.halt());
 }
 
-TEST_CASE("A machine that has not begun its move is told from one that came to rest on the way") {
-  Script script;
-  LinkedDrives drives = drives_by(script);
+/// Sends the first motor from 0 to 1000, and has it rest at this count.
+void rest_on_way(Script& script, LinkedDrives& drives, int count) {
   make_ready(drives);
   drives.set_targets({1000, 0, 0});
   script.state.moving = false;
-  script.state.counts[0] = GENERATE(0, kBeside, 500);
+  script.state.counts[0] = count;
+}
+
+TEST_CASE("A machine that has not begun its move is told from one that came to rest on the way") {
+  Script script;
+  LinkedDrives drives = drives_by(script);
+  rest_on_way(script, drives, GENERATE(0, kBeside, 500));
   const DriveStatus status = drives.status()[0];
   REQUIRE(status.faults.size() == 1);
   CHECK_THAT(status.faults[0], Contains("came to rest at"));
@@ -127,10 +132,7 @@ TEST_CASE("A machine that has not begun its move is told from one that came to r
 TEST_CASE("A move that failed is not forgotten by an enable that is refused") {
   Script script;
   LinkedDrives drives = drives_by(script);
-  make_ready(drives);
-  drives.set_targets({1000, 0, 0});
-  script.state.moving = false;
-  script.state.counts[0] = 500;
+  rest_on_way(script, drives, 500);
   REQUIRE(drives.status()[0].faults.size() == 1);
   script.refuses_current = true;
   CHECK_THROWS_MATCHES(drives.energize(), DriveError, Refused(Cause::kDevice, "door"));
