@@ -20,6 +20,7 @@ class Refused {
 
   bool match(const InputError& error) const { return among(error.refusals()); }
   bool match(const WorkError& error) const { return among({error.refusal()}); }
+  // NOLINTNEXTLINE(readability-identifier-naming): Catch looks for this name.
   std::string toString() const {
     return fmt::format("is refused as {} and names '{}' (found: {})", to_text(cause_), name_,
                        found_);
