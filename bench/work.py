@@ -70,6 +70,8 @@ def calibrated(bin, cell, like, seed, lays):
     run(bin / "planar-experiment", "-q", "--cell", cell / "cell.yaml", "--out", cell / "made", *laid)
     for path in (cell / "made/ours").glob("*.yaml"):
         (cell / path.name).write_bytes(path.read_bytes())
+    for picture in (cell / "made/recording/images").glob("*"):
+        picture.unlink()
     with open(cell / "cell.yaml", "a") as text:
         text.write("arm_found: arm.yaml\n")
 
