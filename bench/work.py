@@ -204,6 +204,8 @@ def homings(bin, cell, bare, rng, figures, starts):
         stands = [home[0], home[1] + sum(turns), home[2] + sum(turns) + sum(three)]
         off = [abs((float(a) - b + 180) % 360 - 180) for a, b in zip(said.groups(), stands)]
         figures.add("joint homed by sight, deg", max(off))
+        if "elbow is on the side" not in done.stderr:
+            figures.add("by the calibrated elbow", max(off))
 
 
 def main():
