@@ -14,7 +14,7 @@ namespace {
 
 /// A work of one mark in the middle of a picture of 5 px/mm, and where its centre is in it.
 struct Scene {
-  Scene(MarkShape shape, double size_m, double turn) {
+  Scene(MarkShape shape, double size_m, double turn, double beyond_m = 0.03) {
     Truth truth;
     truth.camera.X_CB.translation().z() = 1.0;
     truth.camera.X_CB.linear() << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
@@ -24,7 +24,7 @@ struct Scene {
     work.turn_rad = turn;
     work.p_BW = {1e-4, 2e-4, 0.0};
     work.plate_from_m = {-0.03, -0.03};
-    work.plate_to_m = {0.03, 0.03};
+    work.plate_to_m = Eigen::Vector2d(0.002, 0.001).array() + 0.5 * size_m + beyond_m;
     work.marks.push_back({shape, {0.002, 0.001}, size_m, 7});
     truth.works.push_back(work);
     const VirtualLens lens(truth.camera);
@@ -61,6 +61,20 @@ const Case kCases[] = {{MarkShape::kBrightDisc, FiducialKind::kBrightDisc, 4.0, 
                        {MarkShape::kAprilTag, FiducialKind::kAprilTag, 12.0, 0.15}};
 
 }  // namespace
+
+TEST_CASE("A bright disc is found and measured in the corner of its plate") {
+  for (const double size_mm : {4.0, 8.0, 10.0, 16.0})
+    for (const double beyond_mm : {3.0, 5.0, 8.0}) {
+      CAPTURE(size_mm, beyond_mm);
+      const Scene scene(MarkShape::kBrightDisc, size_mm * kMillimetre, 0.4,
+                        beyond_mm * kMillimetre);
+      const auto found = find_fiducials(scene.image, FiducialKind::kBrightDisc, 5.0 * size_mm);
+      REQUIRE(found.size() == 1);
+      const auto measured = measure_fiducial(scene.image, FiducialKind::kBrightDisc, found[0]);
+      REQUIRE(measured);
+      CHECK((measured->uv_px - scene.center_px).norm() < 0.03);
+    }
+}
 
 TEST_CASE("Every kind of mark is found and measured at any turn, and is no other kind") {
   for (const Case& mark : kCases)

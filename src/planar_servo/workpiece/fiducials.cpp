@@ -34,14 +34,24 @@ struct Part {
   Eigen::Vector2d centroid_px{0.0, 0.0};
 };
 
-cv::Mat parts_mask(const cv::Mat& image, bool bright, double size_px) {
+/// Returns what is brighter, or darker, than the mean of a wide window.
+cv::Mat unlike_mean(const cv::Mat& image, bool bright, double size_px) {
   const int window = 2 * static_cast<int>(std::ceil(1.5 * size_px)) + 3;
-  cv::Mat smooth, mask;
-  cv::blur(image, smooth, {3, 3});
-  cv::adaptiveThreshold(smooth, mask, 255, cv::ADAPTIVE_THRESH_MEAN_C,
+  cv::Mat mask;
+  cv::adaptiveThreshold(image, mask, 255, cv::ADAPTIVE_THRESH_MEAN_C,
                         bright ? cv::THRESH_BINARY : cv::THRESH_BINARY_INV, window,
                         bright ? -kLeastStep : kLeastStep);
   return mask;
+}
+
+/// Returns what is brighter than its surroundings and too narrow for a square, which does not fit
+/// into a disc of 1.1 times the size, and well into the corner of a plate. (Near its edge a plate
+/// is brighter than the mean there, so that a bright disc would be one part with it.)
+cv::Mat bright_and_narrow(const cv::Mat& image, double size_px) {
+  const int side = static_cast<int>(std::ceil(0.8 * size_px)) + 3;
+  cv::Mat hat;
+  cv::morphologyEx(image, hat, cv::MORPH_TOPHAT, cv::Mat::ones(side, side, CV_8U));
+  return hat > 2.0 * kLeastStep;
 }
 
 Part part_of(Contour outline, double holes_px2) {
@@ -61,12 +71,15 @@ Part part_of(Contour outline, double holes_px2) {
   return part;
 }
 
-/// Returns the parts whose boxes are about so large.
-std::vector<Part> parts_in(const cv::Mat& image, bool bright, double size_px) {
+/// Returns the parts of a kind's brightness whose boxes are about so large.
+std::vector<Part> parts_in(const cv::Mat& image, FiducialKind kind, bool bright, double size_px) {
+  cv::Mat smooth;
+  cv::blur(image, smooth, {3, 3});
   std::vector<Contour> contours;
   std::vector<cv::Vec4i> tree;  // next, previous, first child, parent
-  cv::findContours(parts_mask(image, bright, size_px), contours, tree, cv::RETR_CCOMP,
-                   cv::CHAIN_APPROX_NONE);
+  cv::findContours(kind == FiducialKind::kBrightDisc ? bright_and_narrow(smooth, size_px)
+                                                     : unlike_mean(smooth, bright, size_px),
+                   contours, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
   std::vector<Part> parts;
   for (std::size_t i = 0; i < contours.size(); ++i) {
     const cv::Rect box = cv::boundingRect(contours[i]);
@@ -131,7 +144,7 @@ std::vector<FiducialSight> find_parts(const cv::Mat& image, FiducialKind kind, d
   std::vector<FiducialSight> found;
   for (const bool bright : {true, false}) {
     if (kind == (bright ? FiducialKind::kDarkDisc : FiducialKind::kBrightDisc)) continue;
-    for (const Part& part : parts_in(image, bright, size_px)) {
+    for (const Part& part : parts_in(image, kind, bright, size_px)) {
       const double size = kind == FiducialKind::kCross ? part.extent_px : round_size_px(part);
       if (has_size(size, size_px) && looks_like(image, part, kind, bright))
         found.push_back({part.centroid_px, Eigen::Matrix2d::Zero(), size, -1});
@@ -251,7 +264,7 @@ std::optional<std::pair<Part, bool>> middle_part(const Crop& crop, FiducialKind 
                                                  const FiducialSight& found) {
   for (const bool bright : {true, false}) {
     if (kind == (bright ? FiducialKind::kDarkDisc : FiducialKind::kBrightDisc)) continue;
-    for (Part& part : parts_in(crop.image, bright, found.size_px))
+    for (Part& part : parts_in(crop.image, kind, bright, found.size_px))
       if (has_size(round_size_px(part), found.size_px) &&
           looks_like(crop.image, part, kind, bright) &&
           (part.centroid_px + crop.corner_px - found.uv_px).norm() < 0.5 * found.size_px)
@@ -276,6 +289,31 @@ void fill_ring(cv::Mat& image, const Part& part) {
   image.setTo(levels.median(), distance > 0.5 * ring_px);
 }
 
+int otsu_level(const cv::Mat& image) {
+  LevelHistogram levels;
+  for (int row = 0; row < image.rows; ++row)
+    levels.add(image.ptr(row), image.ptr(row) + image.cols);
+  return levels.otsu();
+}
+
+/// Returns the level at which a bright part leaves its surroundings. Where a plate that is brighter
+/// than what is around it ends near the part, all beyond gets the level of the plate.
+int level_against_surroundings(cv::Mat& image, const Part& part) {
+  const int level = otsu_level(image);
+  cv::Mat outside(image.size(), CV_8U, cv::Scalar(255)), distance;
+  cv::drawContours(outside, std::vector<Contour>{part.outline}, 0, cv::Scalar(0), cv::FILLED);
+  cv::distanceTransform(outside, distance, cv::DIST_L2, 3);
+  const double near_px = std::max(3.0, 0.06 * part.extent_px), far_px = 2.0 * near_px;
+  LevelHistogram around;
+  for (int row = 0; row < image.rows; ++row)
+    for (int column = 0; column < image.cols; ++column)
+      if (const float px = distance.at<float>(row, column); px > near_px && px < far_px)
+        around.add(image.at<std::uint8_t>(row, column));
+  if (around.median() < level) return level;
+  image.setTo(around.median(), distance > far_px);
+  return otsu_level(image);
+}
+
 std::optional<FiducialSight> measure_round(const cv::Mat& image, FiducialKind kind,
                                            const FiducialSight& found) {
   std::optional<Crop> crop = crop_round(image, found, 1.5);
@@ -285,10 +323,8 @@ std::optional<FiducialSight> measure_round(const cv::Mat& image, FiducialKind ki
   if (!part->second) cv::bitwise_not(crop->image, crop->image);
   if (kind == FiducialKind::kRing) fill_ring(crop->image, part->first);
   const cv::Rect box = cv::boundingRect(part->first.outline);
-  LevelHistogram levels;
-  for (int row = 0; row < crop->image.rows; ++row)
-    levels.add(crop->image.ptr(row), crop->image.ptr(row) + crop->image.cols);
-  const Blob blob = describe_blob(crop->image, box, levels.otsu());
+  const int level = level_against_surroundings(crop->image, part->first);
+  const Blob blob = describe_blob(crop->image, box, level);
   const LampCenter measured = measure_lamp(crop->image, blob, CenterMethod::kAuto);
   if (measured.status != LampStatus::kOk) return std::nullopt;
   return FiducialSight{measured.uv_px + crop->corner_px, measured.covariance_px2,
