@@ -35,6 +35,11 @@ END
   [ $status -eq 0 ] || [ "$n" -eq 4 ] || fail "from $theta the target was not reached: $(cat err.txt out.txt)"
 done
 
+# A whole turn away from here play could not be taken up, but it does not stand there.
+standing "-0.2, 110, 40"  # 0.09 deg as this arm counts
+"${servo[@]}" --home --nearest-turn --out room >out.txt 2>err.txt || fail "the target was not reached: $(cat err.txt)"
+! grep "no room" err.txt || fail "at 0 of [-360, 360] deg the play was not taken up"
+
 standing "20, 110, 40"
 # The play of the gears is taken up as every approach does: half of it separates both ways of arriving.
 cp cell/truth.yaml truth.yaml

@@ -156,7 +156,7 @@ expect 2 "other.csv:2.*no kind of mark" "${made[@]}" --drawing other.csv
 expect 1 "near the given place" "${made[@]}" --drawing work.csv --near -200,150
 expect 2 "work.csv" "${find_work[@]}" -o work.csv --drawing work.csv
 put 200,150,12 --higher-mm 2
-expect 1 "mm higher than z_mm" "${made[@]}" --drawing work.csv --drawing-sigma-mm 0.005
+expect 1 "mm higher than z_mm" "${made[@]}" --drawing work.csv
 "${find_work[@]}" -o shrunk.yaml --drawing work.csv --map similarity --drawing-sigma-mm 0.005 >/dev/null 2>&1
 grep -q "map: similarity" shrunk.yaml || fail "no similarity was fitted"
 

@@ -43,3 +43,23 @@ expect 1 "the camera has shifted by 0.0[0-4]" "$bin/planar-servo" --cell blind/c
   --targets targets.csv --out blind/checked --accept-stale
 awk -v a="$without_lamps" -v b="$without_drift" 'BEGIN { exit !(a > 3 * b) }' ||
   fail "the drift costs nothing: $without_lamps mm without fixed lamps"
+
+# Its map at the end point does not tell the lens from the lamps, and the place of a work says so.
+cat >work.csv <<'END'
+id,x_mm,y_mm,kind,size_mm,z_mm
+F1,5,5,dark_disc,6,0
+F2,145,5,dark_disc,6,0
+F3,145,95,dark_disc,6,0
+F4,5,80,dark_disc,6,0
+END
+cp watched/truth.yaml bare.yaml
+for at in 160,150,12 250,250,-45 100,-350,-20; do
+  cp bare.yaml watched/truth.yaml
+  "$bin/planar-virtual-cell" put --cell watched/cell.yaml --drawing work.csv --at $at >/dev/null
+  "$bin/planar-find-work" -q --cell watched/cell.yaml --drawing work.csv -o work.yaml --json found.json
+  python3 - $at <<'END' || fail "a work at $at is farther from there than three deviations: $(cat found.json)"
+import json, math, sys
+found, at = json.load(open("found.json")), [float(v) for v in sys.argv[1].split(",")]
+assert math.dist(found["origin_mm"], at[:2]) < 3 * found["sigma_mm"], found
+END
+done

@@ -43,14 +43,28 @@ LensError lens_error(const LampField& field, const Points& seen_B) {
   return lens;
 }
 
-/// A map at the end point does not tell the lens from the lamps: nothing is taken off, and all of
-/// its error may be the lens's.
+/// A map at the end point does not tell the lens from the lamps: nothing is taken off. All of its
+/// error may be the lens's, or what is left of one that the lamps hide: halos that the camera sees
+/// obliquely shift lamps along the ray, which looks like a shift and a scale. As large as the map's
+/// error at the rim of its region are both.
 LensError lens_error(const ErrorMap& map, const Points& seen_B) {
+  const std::vector<Eigen::Vector2d>& rim = valid_region(map).hull;
+  const double corners = static_cast<double>(rim.size());
+  Eigen::Vector2d middle(0.0, 0.0);
+  for (const Eigen::Vector2d& corner : rim) middle += corner / corners;
+  double variance = 0.0, radius2 = 0.0;
+  for (const Eigen::Vector2d& corner : rim) {
+    variance += 0.5 * predict_error(map, corner, 0.0).squaredNorm() / corners;
+    radius2 += (corner - middle).squaredNorm() / corners;
+  }
+  const double sigma = std::sqrt(variance);
   const auto n = static_cast<Eigen::Index>(seen_B.size());
-  LensError lens{Eigen::Matrix2Xd::Zero(2, n), Eigen::MatrixXd(2 * n, 1)};
-  for (Eigen::Index i = 0; i < n; ++i)
-    lens.factor.block<2, 1>(2 * i, 0) =
-        predict_error(map, seen_B[static_cast<std::size_t>(i)], 0.0);
+  LensError lens{Eigen::Matrix2Xd::Zero(2, n), Eigen::MatrixXd(2 * n, 4)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector2d& s = seen_B[static_cast<std::size_t>(i)];
+    lens.factor.middleRows<2>(2 * i) << predict_error(map, s, 0.0),
+        sigma * Eigen::Matrix2d::Identity(), sigma / std::sqrt(radius2) * (s - middle);
+  }
   return lens;
 }
 
@@ -341,10 +355,12 @@ WorkFit fit_to_drawing(const WorkMarks& marks, double sigma, WorkMap allowed,
   if (!rigid)
     throw WorkError({"the marks do not determine where the work lies",
                      "they must not all be in one place", "", Cause::kInsufficient});
-  // A map is stretched only where a rigid one leaves too much, and only as far as that helps.
-  if (rigid->chance() >= kFalseAlarm) return *rigid;
   const bool may_scale = marks.size() > 2;  // two marks alone cannot tell a scale from a fault
   const auto similarity = may_scale ? fit_work(doubted, WorkMap::kSimilarity) : std::nullopt;
+  const bool has_other_scale =
+      similarity && chi_square_tail(std::max(0.0, rigid->chi2 - similarity->chi2), 1) < kFalseAlarm;
+  // A map is stretched only where a rigid one leaves too much, and only as far as that helps.
+  if (rigid->chance() >= kFalseAlarm && !has_other_scale) return *rigid;
   if (similarity && similarity->chance() >= kFalseAlarm) {
     if (allowed != WorkMap::kRigid) return *similarity;
     if (!contradicting_mark(doubted, WorkMap::kRigid)) refuse_scale(*similarity, vision, z);
@@ -380,6 +396,12 @@ void add_remarks(const WorkMarks& marks, const WorkSettings& settings,
         "their line, or by anything across it, is not noticed",
         mm(power)));
   }
+  constexpr double kSeldom = 0.01;
+  if (work.chance < kSeldom)
+    work.remarks.push_back(fmt::format(
+        "of {:.0f} works like their drawing one fits as badly as this: compare distances "
+        "of the marks, and their height with z_mm",
+        1.0 / work.chance));
   if (!vision.error_map)
     work.remarks.emplace_back(
         "vision is not compensated; what the lens model leaves is not in the uncertainty");

@@ -92,15 +92,13 @@ class SightHoming {
                        "", Cause::kContradiction});
   }
 
-  /// Turns joints until one posture is left, takes up the play of the gears there as every approach
-  /// does, so that the arm stands as it did where it was found, and returns it.
+  /// Turns joints until one posture is left, and returns it.
   PostureCandidate single_posture() {
     tell_apart({[](const PostureCandidate& c) { return c.elbow == Elbow::kLeft; },
                 "the elbow's side", kByHand, 1, cell_.settings.servo.approach_margin_rad,
                 kTestTurn});
     tell_apart({[](const PostureCandidate& c) { return c.exchanged; }, "which lamp is which",
                 kMidway, 2, 0.0, kQuarter});
-    take_up_play();
     return left_.front();
   }
 
@@ -182,19 +180,6 @@ class SightHoming {
          q.remedy, "", Cause::kInsufficient});
   }
 
-  void take_up_play() {
-    const auto& [theta, elbow, exchanged, planner] = left_.front();
-    const ApproachWay way = approach_way(planner, cell_.settings.servo, theta, theta);
-    bool room = !way.refusal && !way.barred;
-    for (int i = 0; room && i < 3; ++i) {
-      const Joints back = way.stops.front() - theta;
-      room = may_turn(planner, theta, i, planner.transmission().motors_from_joints(back)[i]);
-    }
-    if (!room) return spdlog::warn("homing by sight: no room to take up the gears' play here");
-    robot_.set_joints(theta);
-    for (const Joints& stop : way.stops) go_to(stop);
-  }
-
   void go_to(const Joints& theta) {
     if (const auto objection = robot_.move_to(theta, [&] { return sensor_.fault(); }))
       throw WorkError(*objection, Cause::kDevice);
@@ -234,6 +219,18 @@ std::string turns_text(const CalibratedCell& cell, const Joints& theta) {
   return text;
 }
 
+/// Takes up the play of the gears as every approach does, so that the arm stands as it did where it
+/// was found.
+void take_up_play(const CalibratedCell& cell, PlanarRobot& robot, const LampTipSensor& sensor) {
+  const Joints theta = robot.commanded_joints();
+  const ApproachWay way = approach_way(cell.planner, cell.settings.servo, theta, theta);
+  if (way.refusal || way.barred)
+    return spdlog::warn("homing by sight: no room to take up the gears' play here");
+  if (const auto objection = arrive_by(way, robot, [&] { return sensor.fault(); }))
+    throw WorkError(objection->reason, Cause::kDevice);
+  robot.wait_for_s(cell.settings.servo.settle_s);
+}
+
 /// Returns the joints at which the arm is seen, by the arm as it was found where it was.
 Joints joints_seen(const CalibratedCell& cell, const PostureCandidate& posture,
                    LampTipSensor& sensor) {
@@ -256,14 +253,16 @@ void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor
                    const MayHome& may_home) {
   try {
     const PostureCandidate posture = SightHoming(cell, robot, sensor).single_posture();
-    const Joints theta = joints_seen(cell, posture, sensor);
-    const std::string turns = turns_text(cell, theta);
+    const std::string turns = turns_text(cell, posture.theta);
     if (!turns.empty() && (!may_home || !may_home(Homing::kTurn, turns)))
       throw WorkError(
           {turns,
            "if these are the turns on which the motors stand, start with --nearest-turn (by hand: "
            "home nearest-turn)",
            "", Cause::kInsufficient});
+    robot.set_joints(posture.theta);
+    take_up_play(cell, robot, sensor);
+    const Joints theta = joints_seen(cell, posture, sensor);
     robot.set_joints(theta);
     spdlog::info("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " "));
     if (posture.elbow != cell.settings.arm.elbow)
