@@ -52,7 +52,7 @@ function(planar_precompiled name)
   target_precompile_headers(${name} PRIVATE
     <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits>
     <map> <memory> <mutex> <optional> <random> <set> <sstream> <stdexcept> <string> <thread>
-    <variant> <vector> <Eigen/Core> <fmt/format.h> ${PCH_HEADERS})
+    <variant> <vector> <Eigen/Geometry> <fmt/format.h> ${PCH_HEADERS})
 endfunction()
 
 # planar_precompile(TARGET NAME): GCC takes the compiled headers only together with the macros that

@@ -15,10 +15,12 @@ namespace fs = std::filesystem;
 constexpr int kNotRun = 1, kNoCommand = 2;
 constexpr char kHelp[] = "help";
 
-const ProgramText kText{"planar",
-                        "planar COMMAND [OPTION]...\n"
-                        "       planar help COMMAND",
-                        ""};
+const ProgramText kText{
+    "planar",
+    "planar COMMAND [OPTION]...\n"
+    "       planar help COMMAND",
+    R"(next              Says what of a cell's work is done, what is next, and the command for it.
+doctor            Checks a cell's file and devices and says how to mend each fault.)"};
 
 std::vector<std::string> command_names() {
   std::vector<std::string> names;

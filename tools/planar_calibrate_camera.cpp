@@ -62,9 +62,8 @@ void add_options(CLI::App& app, Options& options) {
       app, "--grid", options.grid, "GRID",
       "circles:COLSxROWS:PITCHmm; acircles:4x11:20mm for rows shifted by a pitch, half of that "
       "between the dots of a row; or chessboard:COLSxROWS:PITCHmm, which counts inner corners");
-  add_default(
-      app, "--model", options.model,
-      "pinhole|plumb_bob_k1|plumb_bob|rational_polynomial|opencv_14|equidistant|visp|auto",
+  add_choice(
+      app, "--model", options.model, calibration_model_names(),
       "the lens model: opencv_14 has thin prism and a tilted sensor, visp is written to an .xml "
       "file; auto is the simplest that predicts views left out as well as any, opencv_14 and visp "
       "not tried");

@@ -8,7 +8,8 @@ namespace planar {
 namespace {
 
 const ProgramText kText{
-    "planar-check-cell", "planar-check-cell --cell cell.yaml [--home] [--at-marks]",
+    "planar-check-cell",
+    "planar-check-cell --cell cell.yaml [--home] [--at-marks] [--nearest-turn]",
     R"(the camera has shifted by 0.998 mm; what still holds: camera.yaml and tool.yaml; what to do: put the camera back, or record the places again and run planar-pair-tracker and planar-fit-error-map)"};
 
 struct Options {

@@ -30,7 +30,8 @@ const ProgramText kText{
     "planar-experiment --cell cell.yaml --out DIR [--grid circles:COLSxROWS:PITCHmm] [--seed N]\n"
     "                         [--train N] [--unattended M] [--lays L [--board-thickness-mm T]]\n"
     "                         [--loop-only N] [--predict | --seeds N [--like KIND] [--jobs J]]\n"
-    "                         [--accept-step] [--home] [--at-marks] [--display auto|none]\n"
+    "                         [--accept-step] [--accept-map] [--home] [--at-marks]\n"
+    "                         [--nearest-turn] [--display auto|none]\n"
     "       mpirun -n RANKS planar-experiment ... --seeds N",
     R"(Table 7: mean true positioning error in mm, 25 targets on each circle of radius 200 mm
   circle about     before *  paper's chain +  its gain    ours  our gain  paper: before ~  paper: after  paper: gain

@@ -1,3 +1,4 @@
+#include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -38,6 +39,9 @@ Outcome write(const Options& options) {
   request.map = options.map;
   if (!options.cell.empty()) request.cell = read_cell(options.cell);
   request.format = value_named(kGridFormats, options.format).value();
+  if (request.format == GridFormat::kNumpy && options.output.extension() == ".npz")
+    throw InputError({"names an archive of arrays, and this format is one array", "name it .npy",
+                      options.output});
   request.phi = in_si(options.phi_deg, kDegree);
   request.step = in_si(options.step_mm, kMillimetre);
   request.accept_map = options.accept_map;

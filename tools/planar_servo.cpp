@@ -159,6 +159,7 @@ Drawing drawing_in(const fs::path& file, const Options& options) {
   if (!options.drawing_unit.empty())
     settings.unit_m = value_named(kDrawingUnits, options.drawing_unit);
   Drawing drawing = read_drawing(file, settings);
+  if (!options.path.empty()) drawing.remarks = path_remarks(drawing);
   for (const std::string& remark : drawing.remarks)
     spdlog::warn(Refusal{remark}.at(file.string()).text());
   return drawing;
@@ -347,6 +348,12 @@ ServoRequest request_of(const Options& options, const std::shared_ptr<Calibrated
   request.cell = cell;
   request.policy.center = options.center.empty() ? cell->settings.lamps.method
                                                  : *value_named(kCenterMethods, options.center);
+  if (request.policy.center != cell->settings.lamps.method)
+    spdlog::warn(
+        "--centre: {} may see lamps elsewhere than lamps.method {}, by which they were calibrated "
+        "unless planar-locate-lamps had --centre, too: positions, and the check of the cell, may "
+        "be off by that; calibrate and position by one method",
+        options.center, name_in(kCenterMethods, cell->settings.lamps.method));
   request.policy.checks_health = !options.no_health;
   request.may_home = may_home(options.homing, !from_stdin(options));
   request.stop = interrupted;

@@ -7,6 +7,7 @@ console.py PLANAR_CONSOLE CELL_FOLDER PICTURES  exit status 1 for a claim that d
 """
 import contextlib
 import os
+import re
 import shutil
 import signal
 import sys
@@ -188,6 +189,17 @@ def certify(page, pictures):
     page.key("escape", down=False)
     page.wait(IDLE)
     claim("Esc ends it", "stopped as asked" in page.text("#progress-text"), page.text("#progress-text"))
+
+
+def name_options(page):
+    """A message that names options of a program names what does the same on the page."""
+    plain = "return import('./dom.js').then(({plain}) => plain(arguments[0]))"
+    said = page.run(plain, "continue with --resume, or run planar-record --out there --home")
+    claim("a message names what is on the page, and a whole command as it is",
+          said == "continue with “resume what is there”, or run planar-record --out there --home", said)
+    labels = re.findall("“(.*?)”", page.run(plain, "--resume --out --grid --cycles --targets --at-marks"))
+    words = page.text("body")
+    claim("all that is named so stands on the page", len(labels) == 6 and all(label in words for label in labels), labels)
 
 
 def check_api(console):
@@ -393,6 +405,7 @@ def main():
             run_targets(page, console, pictures)
             follow_path(page, pictures)
             certify(page, pictures)
+            name_options(page)
             second_browser(driver, page, console, pictures)
             other_rights(driver, console, pictures)
             check_messages(page)

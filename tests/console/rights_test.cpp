@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "console/self_signed.h"
+#include "support/refused.h"
+#include "support/temporary_folder.h"
 
 namespace planar {
 namespace {
@@ -44,6 +46,25 @@ TEST_CASE("Tokens are long, of hexadecimal digits, and never the same") {
   CHECK(first.read != first.operate);
   CHECK(first.read != second.read);
   CHECK(first.operate != second.operate);
+}
+
+TEST_CASE("A token that is kept is its file's first line, long, and its owner's alone") {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "token";
+  const auto refused = [&](const std::string& text, Cause cause, std::filesystem::perms perms) {
+    if (!text.empty()) folder.write("token", text);
+    if (std::filesystem::exists(file)) std::filesystem::permissions(file, perms);
+    CHECK_THROWS_MATCHES(new_tokens(file), InputError, test::Refused(cause, file.string()));
+  };
+  const auto owners = std::filesystem::perms(0600);
+  refused("", Cause::kMissing, owners);
+  refused(" \nAbcd-efgh_ijkl-01\n", Cause::kInvalid, owners);
+  refused("Abcd-efgh_ijkl0\n", Cause::kInvalid, owners);
+  refused("Abcd-efgh ijkl-0123\n", Cause::kInvalid, owners);
+  refused("Abcd-efgh_ijkl-0\n", Cause::kInvalid, std::filesystem::perms(0640));
+  refused("Abcd-efgh_ijkl-0\n", Cause::kInvalid, std::filesystem::perms(0604));
+  std::filesystem::permissions(file, owners);
+  CHECK(new_tokens(file).operate == "Abcd-efgh_ijkl-0");
 }
 
 TEST_CASE("Secrets are the same only as a whole") {
@@ -143,6 +164,19 @@ TEST_CASE("A name that leads here without being this computer's is refused") {
   }
   head.host = "localhost:8377";
   CHECK(status_of(head) == 0);
+}
+
+TEST_CASE("An address of IPv6 stands in brackets") {
+  const Gatekeeper gate(ConsoleSite{8377, "::1"}, kGate.tokens());
+  CHECK(gate.address() == "http://[::1]:8377");
+  RequestHead head = get_with(kGate.tokens().operate);
+  head.host = "[::1]:8377";
+  CHECK_FALSE(gate.denial(head));
+  for (const char* host : {"::1:8377", "[::1]", "[::2]:8377", "[::1]:80", "["}) {
+    INFO(host);
+    head.host = host;
+    CHECK(gate.denial(head));
+  }
 }
 
 TEST_CASE("Beyond this computer a console answers to the names of its certificate alone") {

@@ -199,6 +199,7 @@ struct SuddenMachine final : MachineLink {
   void stop() override { state.moving = false; }
   void search_home(int, HomeDirection) override {}
   MachineState read() override { return state; }
+  const char* starter() const override { return ""; }
   MachineState state;
   int& moves_told;
 };
@@ -214,6 +215,15 @@ TEST_CASE("A machine that stops sooner than its limits would is not moved on to 
   CHECK(drives.status()[0].position_certain);
   CHECK(drives.status()[0].faults.empty());
   CHECK(moves_told == 1);
+}
+
+TEST_CASE("A motion program that does not stop is named with what it says") {
+  LinkedDrives drives = drives_of(faulty({"runs on"}));
+  make_ready(drives);
+  drives.set_targets({20000, 0, 0});
+  CHECK_THROWS_MATCHES(drives.halt(), DriveError,
+                       Refused(Cause::kDevice, "after it was told to stop: it says '"));
+  CHECK_THAT(drives.status()[0].faults.front(), Contains(" 0 0 moving 0'"));
 }
 
 TEST_CASE("What the machine itself says is wrong stops the arm with these words") {
@@ -265,6 +275,9 @@ TEST_CASE("A program that cannot be started or speaks otherwise is refused") {
                        Refused(Cause::kMissing, "/absent/motion"));
   CHECK_THROWS_MATCHES(CommandLink({{"sh", "-c", "read line; echo Grbl 1.1h"}, "/", kAnswer_s}),
                        WorkError, Refused(Cause::kDevice, "'Grbl 1.1h'"));
+  CHECK_THROWS_MATCHES(
+      CommandLink({{"sh", "-c", "read line; printf '1 o\\0k\\n'"}, "/", kAnswer_s}), WorkError,
+      Refused(Cause::kDevice, "with '1 o\\x00k'; see doc"));
   CHECK_THROWS_MATCHES(CommandLink({{"true"}, "/", kAnswer_s}), WorkError,
                        Refused(Cause::kDevice, "status 0"));
   CHECK_THROWS_AS(drives_of({{"true"}, "/", kAnswer_s}), DriveError);

@@ -14,6 +14,8 @@ count = 0
 def answer(machine, request):
     global count
     count += 1
+    if FAULT == "runs on" and request == "stop":
+        return "ok"
     said = motion_program.obey(machine, request)
     if FAULT == "loses" and count == AT:
         machine.losses += 1

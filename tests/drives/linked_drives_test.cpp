@@ -62,6 +62,7 @@ class ScriptedMachine final : public MachineLink {
     }
     return script_.state;
   }
+  const char* starter() const override { return "its fuse"; }
 
  private:
   Script& script_;
@@ -125,7 +126,7 @@ TEST_CASE("A machine that has not begun its move is told from one that came to r
   const DriveStatus status = drives.status()[0];
   REQUIRE(status.faults.size() == 1);
   CHECK_THAT(status.faults[0], Contains("came to rest at"));
-  CHECK((status.faults[0].find("did not begin") == std::string::npos) ==
+  CHECK((status.faults[0].find("it did not begin: look at its fuse; it") == std::string::npos) ==
         (script.state.counts[0] == 500));
 }
 

@@ -227,6 +227,28 @@ TEST_CASE("A move that linuxcncrsh mixed up with another line is sent again, at 
   }
 }
 
+TEST_CASE("A LinuxCNC that does not begin a move is told so, and of no map") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  LinkedDrives drives = rsh.drives();
+  test::make_ready(drives);
+  drives.set_targets({2000, 0, 0});
+  REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
+  CHECK_THAT(drives.status()[0].faults.front(),
+             Catch::StartsWith("it did not begin: look at LinuxCNC's messages, limits"));
+}
+
+TEST_CASE("A LinuxCNC that does not come to rest is named with what says so") {
+  EmulatedRsh rsh;
+  rsh.begin();
+  LinkedDrives drives = rsh.drives();
+  drives.energize();
+  rsh.say("program_status", "RUNNING");
+  CHECK_THROWS_MATCHES(
+      drives.halt(), DriveError,
+      Refused(Cause::kDevice, "after it was told to stop: its program_status is RUNNING"));
+}
+
 TEST_CASE("A joint that would move as LinuxCNC homes it where it stands is refused") {
   EmulatedRsh rsh;
   rsh.begin();

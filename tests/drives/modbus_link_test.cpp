@@ -1,6 +1,8 @@
 #include "planar_servo/hardware/links/modbus_link.h"
 
 #include <fmt/format.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -52,6 +54,18 @@ struct Bus {
     return {"the drivers", {kRated, kRated, kRated}, [this] {
               return std::make_unique<ModbusLink>(line);
             }};
+  }
+
+  /// Returns a cell with these drivers, whose file and map it writes.
+  CellSettings cell(const std::string& map = read_file(PLANAR_MODBUS_MAPS
+                                                       "/leadshine-rs.yaml")) const {
+    folder.write("map.yaml", map);
+    const auto driver = [&](int address) {
+      return fmt::format(
+          "kind: modbus, port: {}, baud: 115200, parity: none, registers: map.yaml, address: {}",
+          line.port, address);
+    };
+    return read_cell(test::cell_with_drives(folder, {driver(1), driver(2), driver(3)}));
   }
 
   test::TemporaryFolder folder;
@@ -120,8 +134,31 @@ TEST_CASE("Telegrams that are lost, garbled, late or a stranger's are repeated, 
   for (int i = 0; i < 10; ++i) link.read();
   const LineErrors& errors = link.errors();
   CHECK(errors.telegrams > 60);
-  const bool is_silence = fault == "--lose" || fault == "--late";
-  CHECK((is_silence ? errors.unanswered : errors.garbled) >= errors.telegrams / 10);
+  const int counted = fault == "--garble"     ? errors.garbled
+                      : fault == "--stranger" ? errors.foreign
+                                              : errors.unanswered;
+  CHECK(counted >= errors.telegrams / 10);
+  CHECK(counted == errors.all());
+}
+
+TEST_CASE("A stranger on the line is told by the tenth error, once, apart from what is garbled") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({"--stranger", "3", "--garble", "4"});
+  std::ostringstream said;
+  const auto usual = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "said", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+  {
+    ModbusLink link(bus.line);
+    while (link.errors().all() < 10) link.read();
+    CHECK_THAT(said.str(), Contains("answered from another address"));
+    link.read();
+  }
+  spdlog::set_default_logger(usual);
+  const std::string warning = said.str();
+  CHECK_THAT(warning, Contains(bus.line.port + ": of ") && Contains("another master may be") &&
+                          Contains("two drivers may have one address"));
+  CHECK(warning.find("another master") == warning.rfind("another master"));
 }
 
 TEST_CASE("An answer may take longer than a second where the cell says so") {
@@ -369,6 +406,26 @@ TEST_CASE("What a driver refuses is named and not repeated, all are stopped, and
   CHECK(link.errors().telegrams - before == 1 + kStops);
 }
 
+TEST_CASE("A move that is refused once the order of words is shown loses no position") {
+  REQUIRE_PYMODBUS();
+  const Bus bus({"--ramps", "10,2000"});
+  LinkedDrives drives = bus.drives();
+  make_ready(drives);
+  drives.set_targets({9000, 3, 0});  // for 3 counts beside 9000 the ramp would be the longest
+  REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
+  CHECK(drives.status()[0].answers);
+  CHECK_THAT(drives.status()[0].faults.front(), Contains("drive 2") && Contains("Illegal data"));
+  REQUIRE(all_rest(drives));
+  CHECK(positions(drives) == Targets{10, 0, 0});
+  CHECK(drives.status()[0].position_certain);
+  CHECK_THROWS_MATCHES(drives.set_targets({9000, 9000, 0}), DriveError,
+                       Refused(Cause::kDevice, "`enable` clears this"));
+  drives.energize();
+  drives.set_targets({9000, 9000, 0});
+  REQUIRE(all_rest(drives));
+  CHECK(positions(drives) == Targets{9000, 9000, 0});
+}
+
 TEST_CASE("A closed loop that takes three counts for no way shows the order of its words, too") {
   REQUIRE_PYMODBUS();
   const Bus bus({"--window", "3"});
@@ -433,7 +490,7 @@ TEST_CASE("Drivers that do not begin are seen to rest elsewhere") {
   REQUIRE(test::eventually([&] { return !drives.status()[0].faults.empty(); }));
   CHECK_THAT(drives.status()[0].faults.front(),
              Contains("came to rest at 3, 3, 3 counts, where it was sent to 103, 103, 103") &&
-                 Contains("did not begin"));
+                 Contains("it did not begin: look at `move` and `start` of its map; it came"));
 }
 
 TEST_CASE("Drivers at 0 that do not begin are not taken for some whose words are exchanged") {
@@ -525,6 +582,8 @@ TEST_CASE("A map of registers is read, and each fault of it named") {
   CHECK(map.homed->bit == 6);
   CHECK(read_modbus_map(PLANAR_MODBUS_MAPS "/oriental-az.yaml").homed->bit == 4);
   check_refused("0x6002: 0x10", "0x16002: 0x10", "'0x16002: 0x10'");
+  check_refused("acceleration: ms_per_1000_rpm", "acceleration: rpm_per_s", "longest_ramp",
+                Cause::kContradiction);
   check_refused("speed: rpm", "speed: rps", "'rps'");
   check_refused("speed: rpm", "speed: 0 rpm", "'0 rpm'");
   check_refused("stop:", "stopp:", "'stop'", Cause::kMissing);
@@ -548,22 +607,29 @@ TEST_CASE("A bit of one control word may start what a move has written with the 
   CHECK(map.move.back().address == map.start->address);
 }
 
+TEST_CASE("The doctor counts answers from another address apart, and names another master") {
+  REQUIRE_PYMODBUS();
+  const bool is_garbled = GENERATE(false, true);
+  const Bus bus(is_garbled ? std::vector<std::string>{"--stranger", "3", "--garble", "4"}
+                           : std::vector<std::string>{"--stranger", "3"});
+  const CellSettings cell = bus.cell();
+  const std::vector<Finding> findings = cell.drives[0].kind->examine(cell);
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].verdict == Finding::Verdict::kDoubtful);
+  CHECK((findings[0].fault.find(" 0 were garbled, ") == std::string::npos) == is_garbled);
+  CHECK(findings[0].fault.find(" 0 answered from another address") == std::string::npos);
+  CHECK_THAT(findings[0].remedy, Contains("another master may be on the line"));
+  CHECK((findings[0].remedy.find("one address") == std::string::npos) == !is_garbled);
+}
+
 TEST_CASE("The doctor doubts a map by which every driver has a ramp of its own") {
   REQUIRE_PYMODBUS();
   const Bus bus({});
-  const test::TemporaryFolder folder;
   std::string text = read_file(PLANAR_MODBUS_MAPS "/leadshine-rs.yaml");
   const bool has_ramp = GENERATE(true, false);
   const std::string ramps = "acceleration acceleration";
   if (!has_ramp) text.replace(text.find(ramps), ramps.size(), "100 100");
-  folder.write("map.yaml", text);
-  const auto driver = [&](int address) {
-    return fmt::format(
-        "kind: modbus, port: {}, baud: 115200, parity: none, registers: map.yaml, address: {}",
-        bus.line.port, address);
-  };
-  const CellSettings cell =
-      read_cell(test::cell_with_drives(folder, {driver(1), driver(2), driver(3)}));
+  const CellSettings cell = bus.cell(text);
   const std::vector<Finding> findings = cell.drives[0].kind->examine(cell);
   REQUIRE(findings.size() == 1);
   CHECK_THAT(findings[0].fault, Contains("all three answer") && Contains("0, 0, 0 counts, off"));
@@ -622,8 +688,9 @@ TEST_CASE("Three joints of a cell are three drivers of one make on one line") {
   CHECK(read_cell(cell_with({driver("1"), driver("2"), driver("3")})).drives[2].kind->name() ==
         "modbus");
   std::filesystem::remove(folder / "map.yaml");
-  CHECK_THROWS_MATCHES(read_cell(cell_with({driver("1"), driver("2"), driver("3")})), InputError,
-                       Refused(Cause::kMissing, "map.yaml"));
+  CHECK_THROWS_MATCHES(
+      read_cell(cell_with({driver("1"), driver("2"), driver("3")})), InputError,
+      Refused(Cause::kMissing, ": there is no map of registers " + (folder / "map.yaml").string()));
 }
 
 }  // namespace

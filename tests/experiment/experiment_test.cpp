@@ -21,9 +21,9 @@ namespace {
 using Catch::Matchers::Contains;
 
 /// A fifth of the paper's places.
-constexpr ExperimentSize kSmall{8, 12, 60, 10, 8, 6, 3};
+constexpr ExperimentSize kSmall{6, 12, 50, 10, 8, 6, 3};
 
-/// A map of 60 places serves less well than one of 200: these bounds tell a chain that works from
+/// A map of 50 places serves less well than one of 200: these bounds tell a chain that works from
 /// one that does not, no more.
 constexpr double kOursBelow_m = 0.015e-3, kPaperBelow_m = 0.5e-3, kBeforeAbove_m = 1e-3;
 
@@ -267,8 +267,8 @@ TEST_CASE("Without a tracker reading a laid board and poses place the tool, but 
   const CellSettings cell = read_cell(test::paper_cell_file());
   ExperimentRequest request{cell, parse_board("circles:11x11:50mm"), 1, folder / "run"};
   request.size = kSmall;
-  request.size.unattended_poses = 80;
-  request.size.lays = 6;
+  request.size.unattended_poses = 40;
+  request.size.lays = 4;
   request.uses_tracker = false;
   request.dots_height = -5.5 * kMillimetre;
   const auto devices = open_cell(cell);

@@ -1,5 +1,8 @@
 #include "planar_servo/files/cell_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "planar_servo/base/core/error.h"
@@ -98,6 +101,51 @@ TEST_CASE("Faults of a cell file are told all at once, each with its place and r
                           "arm.link_lengths_mm[1]", "tracker.sigma_mm"})
     CHECK_THROWS_MATCHES(read_cell(file), InputError, Refused(Cause::kInvalid, key));
   CHECK_THROWS_MATCHES(read_cell(file), InputError, Refused(Cause::kMissing, "'settle_ms'"));
+}
+
+TEST_CASE("Tools are a map of names to files") {
+  const test::TemporaryFolder folder;
+  const std::string text = read_file(test::paper_cell_file());
+  const auto line = std::count(text.begin(), text.end(), '\n') + 1;
+  for (const auto& [tools, column] : {std::pair("[needle.yaml]", 8), std::pair("needle.yaml", 8),
+                                      std::pair("", 1), std::pair("{needle: 5}", 17)}) {
+    const auto file = folder.write("cell.yaml", fmt::format("{}tools: {}\n", text, tools));
+    CHECK_THROWS_MATCHES(
+        read_cell(file), InputError,
+        Refused(Cause::kInvalid, *tools == '\0' ? "tools is empty"
+                                                : fmt::format("cell.yaml:{}:{}: ", line, column)));
+  }
+  const auto good = folder.write("cell.yaml", text + "tools: {needle: needle.yaml}\n");
+  CHECK(read_cell(good).tools.at("needle") == folder.path() / "needle.yaml");
+}
+
+TEST_CASE("A fault of an obstacle is told once, by its own place, key and value") {
+  const test::TemporaryFolder folder;
+  const auto refusals = [&](const std::string& width, const std::string& obstacle) {
+    std::string text = read_file(test::paper_cell_file());
+    text = test::replaced(text, "elbow:", "link_width_mm: [60, " + width + "], elbow:");
+    text = test::replaced(text, "keep_out: []", "obstacles: [" + obstacle + "], keep_out: []");
+    try {
+      read_cell(folder.write("cell.yaml", text));
+    } catch (const InputError& e) {
+      return e.refusals();
+    }
+    return std::vector<Refusal>();
+  };
+  CHECK(refusals("60", "{name: post, x_mm: -300, y_mm: 300, radius_mm: 50}").empty());
+  for (const auto& [obstacle, said] :
+       {std::pair("polygon_mm: [[-10, 0], [10, 0]]", "polygon_mm has 2 corners"),
+        std::pair("x_mm: 0, y_mm: 0, radius_mm: 50, z_mm: [80, 20]", "z_mm is [80, 20]"),
+        std::pair("x_mm: 0, radius_mm: 50", "lacks the key 'y_mm'"),
+        std::pair("x_mm: 0, y_mm: 0, radius_mm: 50", "post reaches over the base's axis")}) {
+    const std::vector<Refusal> told = refusals("60", fmt::format("{{name: post, {}}}", obstacle));
+    REQUIRE(told.size() == 1);
+    CHECK_THAT(told[0].fault, Contains(said));
+    CHECK(told[0].where.find(":1:1") == std::string::npos);
+  }
+  CHECK(refusals("-60", "{name: post, x_mm: -300, y_mm: 300, radius_mm: 50}")
+            .front()
+            .fault.find("link_width_mm[1]") != std::string::npos);
 }
 
 TEST_CASE("A Tic has a serial number of its own, a command timeout and a home") {
@@ -207,6 +255,14 @@ TEST_CASE("A cell has the tracker of its kind unless it names another") {
   const std::string text =
       test::replaced(read_file(test::paper_cell_file()), "tracker: {", "tracker: {source: none, ");
   CHECK(read_cell(folder.write("cell.yaml", text)).tracker.kind->name() == "none");
+}
+
+TEST_CASE("A deviation is asked of a tracker, and where there is none of nobody") {
+  const std::string stated = "tracker: {sigma_mm: 0.010, sigma_mm_per_m: 0.0, bias_mm: 0.002}";
+  CHECK_FALSE(read_with(stated, "tracker: {source: none}").tracker.kind->measures());
+  for (const char* key : {"'sigma_mm'", "'sigma_mm_per_m'"})
+    CHECK_THROWS_MATCHES(read_with(stated, "tracker: {source: ask}"), InputError,
+                         Refused(Cause::kMissing, key));
 }
 
 TEST_CASE("A cell may state its tracker's systematic error") {

@@ -104,7 +104,8 @@ TEST_CASE("What means nothing to a planar arm is refused by its line, all of it 
   const std::pair<const char*, Refused> bad[] = {
       {"G1 X5 Z-2", Refused(Cause::kInvalid, "p.nc:3: moves Z")},
       {"M3 S1000", Refused(Cause::kInvalid, "p.nc:3: M3")},
-      {"M0", Refused(Cause::kInvalid, "p.nc:3: M0")},
+      {"M0\nG1 X5", Refused(Cause::kInvalid, "p.nc:4: moves after M0")},
+      {"G1 X5 (to the\nedge)", Refused(Cause::kInvalid, "p.nc:3: a comment")},
       {"M5\nG1 X5", Refused(Cause::kInvalid, "p.nc:4: moves after M5")},
       {"M9\nG3 X10 Y0 I-5", Refused(Cause::kInvalid, "p.nc:4: moves after M5 or M9")},
       {"G3 X0 Y10 I-10 K1", Refused(Cause::kInvalid, "p.nc:3: K1")},
@@ -136,6 +137,12 @@ TEST_CASE("What means nothing to a planar arm is refused by its line, all of it 
                        Refused(Cause::kMissing, "p.nc"));
   CHECK_THROWS_MATCHES(targets_of(program("G21\n"), "p.nc"), InputError,
                        Refused(Cause::kMissing, "p.nc"));
+}
+
+TEST_CASE("A program may end with a stop, which its own line's motion comes before") {
+  const Drawing drawing = program("G21 G90 (part (1)\nG0 X10 Y0\nG1 X5 M0\nG4 P1\nM2\n(open\n");
+  REQUIRE(drawing.strokes.size() == 1);
+  CHECK(is_at(drawing.strokes[0].back().p, 5.0, 0.0));
 }
 
 TEST_CASE("Ways that are none are left out, and places that no arm reaches are refused") {
@@ -217,7 +224,7 @@ TEST_CASE("Parts that do not meet are joined by straight ways, which is said") {
   REQUIRE(drawing.strokes.size() == 3);
   CHECK(is_at(drawing.strokes[1].front().p, 340.0, 0.0));  // the circle begins at angle 0
   CHECK(is_at(drawing.strokes[2].front().p, 390.0, 0.0));  // turned: its near end first
-  CHECK_THAT(drawing.remarks.at(0), Contains("3 parts") && Contains("80.0 mm"));
+  CHECK_THAT(path_remarks(drawing).at(0), Contains("3 parts") && Contains("80.0 mm"));
   CHECK(path_of(drawing, 0.0, "").length_m() ==
         Approx((10.0 + 30.0 + 20.0 * kPi + 50.0 + 10.0) * kMillimetre));
 }
@@ -255,6 +262,15 @@ TEST_CASE("Points are targets, and only chosen layers are read") {
                        Refused(Cause::kInvalid, "SPLINE on the layer FRAME"));
   CHECK_THROWS_MATCHES(file.read(text, {{"HOLE"}, {}}), InputError,
                        Refused(Cause::kMissing, "'HOLE'"));
+}
+
+TEST_CASE("Lines beside points that are targets need not meet") {
+  const DxfFile file;
+  const Drawing drawing = file.read(dxf("0\nPOINT\n8\n0\n10\n300\n20\n5\n" +
+                                        line_entity(300, 0, 310, 0) + line_entity(400, 0, 390, 0)));
+  CHECK(targets_of(drawing, "").size() == 1);
+  CHECK(drawing.remarks.empty());
+  CHECK(path_remarks(drawing).size() == 1);
 }
 
 TEST_CASE("What a drawing does not show is not gone, unless its layer is asked for") {

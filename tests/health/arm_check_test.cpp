@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "planar_servo/base/core/pose.h"
 #include "sample_arm.h"
 
 namespace planar {
@@ -44,10 +45,22 @@ std::function<void(SoundCell&)> built(const std::function<void(CellModel&)>& mak
   return [=](SoundCell& cell) { make(cell.model); };
 }
 
+/// Lets two motors get each other's pulses: a radian of one is `gears` of the other.
+std::function<void(SoundCell&)> exchanged(int one, int other, double gears) {
+  return built([=](CellModel& model) {
+    model.gears(one, one) = model.gears(other, other) = 0.0;
+    model.gears(one, other) = gears;
+    model.gears(other, one) = 1.0 / gears;
+  });
+}
+
 const ArmFault kArmFaults[] = {
-    {HealthCause::kDirection1, built([](CellModel& m) { m.gears[0] = -1.0; }), kNoSize},
-    {HealthCause::kDirection2, built([](CellModel& m) { m.gears[1] = -1.0; }), kNoSize},
-    {HealthCause::kDirection3, built([](CellModel& m) { m.gears[2] = -1.0; }), kNoSize},
+    {HealthCause::kExchanged12, exchanged(0, 1, -0.8), kNoSize},
+    {HealthCause::kExchanged13, exchanged(0, 2, 1.0 / 1.5), kNoSize},
+    {HealthCause::kExchanged23, exchanged(1, 2, -1.0 / 1.2), kNoSize},
+    {HealthCause::kDirection1, built([](CellModel& m) { m.gears(0, 0) = -1.0; }), kNoSize},
+    {HealthCause::kDirection2, built([](CellModel& m) { m.gears(1, 1) = -1.0; }), kNoSize},
+    {HealthCause::kDirection3, built([](CellModel& m) { m.gears(2, 2) = -1.0; }), kNoSize},
     {HealthCause::kCoupling2,
      built([](CellModel& m) { m.coupling = test::coupling_of(false, true); }), kNoSize},
     {HealthCause::kCoupling3,
@@ -66,7 +79,24 @@ const ArmFault kArmFaults[] = {
     {HealthCause::kLink1, off_by(kLinkOff, 4e-3), 4.0},
     {HealthCause::kLink2, off_by(kLinkOff + 1, -5e-3), -5.0},
     {HealthCause::kLamp1Moved, off_by(kLampOff + 1, 1e-3), 1.0},
+    {HealthCause::kGear2, off_by(kGearOff + 1, 0.5), 1.5},
     {HealthCause::kCameraShifted, off_by(kShiftOff, 50e-3), 50.0},
+    {HealthCause::kCameraShifted, off_by(kShiftOff, 150e-3), 150.0},
+    {HealthCause::kCameraTurned, off_by(kTurnOff, 90.0 * kDegree), 90.0},
+    {HealthCause::kCameraCloser, off_by(kGrowthOff, 0.05), 5.0},
+    {HealthCause::kElbow,
+     [](SoundCell& cell) {
+       SoundCell same_cell = cell;  // which draws the same moves
+       const CellModel filed = test::filed_cell();
+       const Eigen::Vector3d theta =
+           filed.coupling.inverse() * first_moves(same_cell).front().motors;
+       const Eigen::Vector2d tip =
+           rotation2d(theta[0]).col(0) * 0.3 + rotation2d(theta[1]).col(0) * 0.25;
+       const double ray = std::atan2(tip.y(), tip.x());
+       cell.model.zeros +=
+           filed.coupling * Eigen::Vector3d(2.0 * (ray - theta[0]), 2.0 * (ray - theta[1]), 0.0);
+     },
+     kNoSize},
 };
 
 }  // namespace
@@ -102,9 +132,33 @@ TEST_CASE("The first moves name what is wrong with an arm, and how much") {
   }
 }
 
+TEST_CASE("Drives that are exchanged are named with what to exchange, also after homing by sight") {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    SoundCell cell(seed), same_cell(seed);
+    const bool is_alike = seed % 2 == 0;
+    CellModel filed = test::filed_cell();
+    if (is_alike) filed.pulses_per_rad.setConstant(-1e5);
+    exchanged(0, 1, is_alike ? 1.0 : -0.8)(cell);
+    cell.model.home = first_moves(same_cell).front().motors;
+    const auto found = find_arm_faults(filed, first_moves(cell));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].fault == "the drives of joints 1 and 2 are exchanged");
+    CHECK_THAT(found[0].remedy, Catch::Contains("drives[0] and drives[1] in the cell file"));
+  }
+}
+
+TEST_CASE("A joint that turns the other way is named also after homing by sight") {
+  SoundCell cell(3), same_cell(3);
+  cell.model.gears(0, 0) = -1.0;
+  cell.model.home = first_moves(same_cell).front().motors;
+  const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].what == HealthCause::kDirection1);
+}
+
 TEST_CASE("No gear is said to turn a joint as far as none does") {
   SoundCell cell(3);
-  cell.model.gears[2] = 44.0;
+  cell.model.gears(2, 2) = 44.0;
   const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
   REQUIRE_FALSE(found.empty());
   // Two turns as far look alike where 42 more end at the same direction.
@@ -113,7 +167,7 @@ TEST_CASE("No gear is said to turn a joint as far as none does") {
 
 TEST_CASE("Degrees taken for radians are named as a gear ratio") {
   SoundCell cell(3);
-  cell.model.gears[2] = kDegree;
+  cell.model.gears(2, 2) = kDegree;
   const auto found = find_arm_faults(test::filed_cell(), first_moves(cell));
   REQUIRE_FALSE(found.empty());
   CHECK(found[0].what == HealthCause::kGear3);

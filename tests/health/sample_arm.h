@@ -26,6 +26,7 @@ inline CellModel filed_cell() {
   model.lamps_T = {Eigen::Vector2d(-0.02, 1e-4), Eigen::Vector2d(0.02, 0.0)};
   model.axis_B = {5e-3, -3e-3};
   model.home = {0.1, 0.9, -1.0};
+  model.pulses_per_rad = {150e3, -120e3, 100e3};
   return model;
 }
 

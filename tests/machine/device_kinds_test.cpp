@@ -1,6 +1,7 @@
 #include "planar_servo/machine/device_kinds.h"
 
 #include <catch2/catch.hpp>
+#include <sstream>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/devices/drive_group.h"
@@ -76,6 +77,25 @@ TEST_CASE("Every kind has a name of its own") {
   CHECK(names_differ(kinds.cameras));
   CHECK(names_differ(kinds.drives));
   CHECK(names_differ(kinds.trackers));
+}
+
+TEST_CASE("The udev rules keep ModemManager off the whole device of each port that they open") {
+  const auto root = test::paper_cell_file().parent_path().parent_path().parent_path();
+  std::istringstream rules(read_file(root / "tools/70-planar-servo.rules"));
+  const auto makers_in = [](const std::string& rule) {
+    const std::string key = "idVendor}==\"";
+    const std::size_t begin = rule.find(key) + key.size();
+    return rule.substr(begin, rule.find('"', begin) - begin);
+  };
+  std::string opened, ignored;
+  for (std::string rule; std::getline(rules, rule);) {
+    if (rule.rfind("SUBSYSTEM==\"tty\"", 0) == 0) opened = makers_in(rule);
+    if (rule.find("ID_MM_DEVICE_IGNORE") == std::string::npos) continue;
+    CHECK_THAT(rule, Catch::Contains("SUBSYSTEM==\"usb\", ENV{DEVTYPE}==\"usb_device\""));
+    ignored = makers_in(rule);
+  }
+  CHECK_THAT(opened, Catch::Contains("067b"));
+  CHECK(ignored == opened);
 }
 
 }  // namespace

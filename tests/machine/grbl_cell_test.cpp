@@ -62,6 +62,10 @@ TEST_CASE("What a Grbl board cannot do is refused when the cell is read") {
     CHECK_THROWS_MATCHES(cell.read(), InputError, test::Refused(cause, name));
   };
   refuses("pulses_per_mm: 250", "pulses_per_mm: 80", Cause::kInvalid, "pulses_per_mm is 80");
+  CHECK_NOTHROW(GrblCell().replace("at_deg: -170", "at_deg: -719").read());
+  for (const char* angle : {"1e6", "-721"})
+    refuses("at_deg: -170", std::string("at_deg: ") + angle, Cause::kInvalid,
+            "a turn beyond joint_limits_deg [-360, 360]");
   refuses("baud: 115200", "baud: 115000", Cause::kInvalid, "baud is 115000");
   refuses("port: /dev/serial/by-id/board", "port: /dev/ttyUSB0", Cause::kContradiction,
           "port or baud");

@@ -353,6 +353,19 @@ TEST_CASE("The page of a field at the lamps draws the end point's error and its 
                        Contains("<th scope=\"row\">link 1</th><td>"));
 }
 
+TEST_CASE("Where one source alone fixes the turn, its worth is said to leave the turn out") {
+  const test::BentCell cell;
+  std::mt19937 random(33);
+  LampFieldFit fit = fit_lamp_field(cell.nominal(), cell.samples(20, 20, random));
+  const auto words = [&] { return lamp_field_list(fit).table_html("sources"); };
+  CHECK_THAT(words(), Contains("tracker") && Contains("mm but for the turn"));
+  fit.sources.push_back({"marks", "4 of the base", 1e-5});
+  CHECK_THAT(words(), !Contains("but for the turn"));
+  fit.sources.pop_back();
+  fit.fixed_by.turn = FieldSource::kNothing;
+  CHECK_THAT(words(), !Contains("but for the turn"));
+}
+
 TEST_CASE("Where a map at the end point is taken, report and page are about that map") {
   const test::BentCell cell;
   std::mt19937 random(32);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <random>
 
+#include "field/bent_cell.h"
 #include "plan/training_order.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/machine/device_kinds.h"
@@ -123,6 +125,28 @@ TEST_CASE("A plan that continues has poses of its own, and no number of a place 
     for (const PlanRow& other : first.rows)
       if (other.plan == Purpose::kPose) CHECK((place(row) - place(other)).norm() > 1e-6);
   }
+}
+
+TEST_CASE("A plan that continues takes readings to scatter as those before did") {
+  CellSettings cell = read_cell(test::paper_cell_file());
+  cell.arm.geometry.positive_rotation = Rotation::kCounterclockwise;
+  std::mt19937 random(64);
+  std::vector<PairRow> pairs;
+  for (const PoseSample& sample : test::BentCell().samples(24, 0, random)) {
+    PairRow& pair = pairs.emplace_back();
+    pair.id = sample.id;
+    pair.theta = Transmission(cell.transmission).joints_from_motors(sample.motors);
+    pair.lamps_B = sample.lamps_B;
+    pair.p_tracker = pair.p_reflector = sample.reflector_B;
+    pair.sigma_vision = sample.sigma_lamp;
+    pair.sigma_tracker = sample.sigma_reflector;
+  }
+  const auto expected_beside = [&](double sigma_at_tracker) {
+    cell.tracker.sigma_m = sigma_at_tracker;
+    return propose_plan(cell, {12}, pairs).after;
+  };
+  const double far = expected_beside(1e-7);
+  CHECK(far == Approx(expected_beside(*pairs[0].sigma_tracker)).epsilon(0.01));
 }
 
 TEST_CASE("Without a tracker too few lays or poses are refused") {

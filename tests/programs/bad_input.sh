@@ -111,6 +111,8 @@ expect 2 "absent.png: cannot be read: there is no such image or recording" \
   "$bin/planar-calibrate-camera" --grid circles:6x6:30mm -o made absent.png
 expect 2 "grid 'circles:6x6' is not circles:COLSxROWS:PITCHmm" \
   "$bin/planar-calibrate-camera" --grid circles:6x6 -o made absent.png
+expect 2 "--model: fisheye not in .*equidistant" \
+  "$bin/planar-calibrate-camera" --grid circles:6x6:30mm --model fisheye -o made absent.png
 head -c 65550 /dev/zero | sed '1s/^/P5 256 256 255\n/' >dark.pgm
 expect 1 "no image shows what was looked for; dark.csv says why for each" \
   "$bin/planar-locate-lamps" -q -o dark.csv dark.pgm

@@ -38,8 +38,8 @@ def eventually(holds, what):
 class Console(ServedConsole):
     """A running planar-console, asked with its token for operating unless another is named."""
 
-    def __init__(self, cell):
-        super().__init__(PROGRAM, f"{FOLDER}/{cell}")
+    def __init__(self, cell, *options):
+        super().__init__(PROGRAM, f"{FOLDER}/{cell}", *options)
         atexit.register(self.process.kill)
         self.stops = 0  # that the answers told of
         self.operate, self.read = self.token["operate"], self.token["look on"]
@@ -136,6 +136,14 @@ def try_bodies(console):
     check(console.state()["operator"] is None, "who was refused keeps the cell")
 
 
+def try_names(console):
+    """A dot in a name is a dot and no other letter."""
+    for name in ("/api/lamp/1xjpg", "/api/picturexjpg", "/pagexjs", "/openapixjson"):
+        console.refused(404, "GET", name, says="nothing of this name")
+    for name in ("/api/lamp/1.jpg", "/api/picture.jpg", "/page.js", "/openapi.json"):
+        check(console.ask("GET", name)[0] in (200, 204), f"{name} is not answered")
+
+
 def try_folder(console):
     for name in ("../secret.html", "%2e%2e/secret.html", "link.html", "cell.yaml", "none.html", "a" * 7000 + ".html"):
         console.refused(404, "GET", f"/reports/{name}")
@@ -144,7 +152,12 @@ def try_folder(console):
 
 def try_second_consoles(console):
     for arguments, said in ((["--cell", f"{FOLDER}/fast.yaml"], "another planar-console serves this cell"),
-                            (["--cell", f"{FOLDER}/slow.yaml", "--port", str(console.port)], "taken")):
+                            (["--cell", f"{FOLDER}/slow.yaml", "--port", str(console.port)], "taken"),
+                            (["--cell", f"{FOLDER}/slow.yaml", "--port", "1", "--listen", "127.0.0.1:2"], "give the port once"),
+                            (["--cell", f"{FOLDER}/slow.yaml", "--listen", "::1"], "[::1]:8377 for IPv6"),
+                            (["--cell", f"{FOLDER}/slow.yaml", "--listen", "[::]:0"], "every address"),
+                            (["--cell", f"{FOLDER}/slow.yaml", "--tls-cert", "none.pem"], "need each other"),
+                            (["--cell", f"{FOLDER}/slow.yaml", "--port", "0", "--token-file", "none"], "none: does not exist")):
         second = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=PATIENCE_S)
         check(second.returncode == 2 and said in second.stderr, f"{arguments}: {second.stderr}")
 
@@ -414,10 +427,14 @@ def try_end(console):
 
 
 def main():
-    fast = Console("fast.yaml")
+    kept = pathlib.Path(FOLDER, "token")
+    kept.write_text("Kept-over_restarts\n", encoding="utf-8")
+    kept.chmod(0o600)
+    fast = Console("fast.yaml", "--listen", "127.0.0.1:0", "--token-file", str(kept))
+    check(fast.operate == "Kept-over_restarts" != fast.read, fast.printed)
     with open("console.txt", "w", encoding="utf-8") as printed:
         printed.writelines(fast.printed)
-    for what in (try_rights, try_bodies, try_folder, try_second_consoles, try_run, try_certificate, try_path, try_experiment, try_record):
+    for what in (try_rights, try_bodies, try_names, try_folder, try_second_consoles, try_run, try_certificate, try_path, try_experiment, try_record):
         what(fast)
     check(fast.ask("GET", "/api/picture.jpg")[1][:2] == b"\xff\xd8", "no picture")
     fast.end(signal.SIGTERM)

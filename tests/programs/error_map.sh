@@ -136,8 +136,8 @@ same_with_threads sparse
 
 # A scan that takes longer than the second after which a bar is drawn: the bar is for a terminal, and not
 # for a log or a quiet run.
-pairs 30000 | table scan
-fitted scan "pairs used +30000" "method +sparse"
+pairs 12000 | table scan
+fitted scan "pairs used +12000" "method +sparse"
 terminal() { script -qec "$bin/planar-fit-error-map $1 -o map.yaml scan.csv" /dev/null; }
 terminal "" >terminal.txt
 grep -q '[a-z] \[=* *\] ' terminal.txt || fail "no progress on a terminal"

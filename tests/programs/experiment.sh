@@ -4,7 +4,9 @@
 source "$(dirname "$0")/common.sh"
 
 cp -r "$repository/calib/small" cell
-experiment=("$bin/planar-experiment" --cell cell/cell.yaml --grid circles:11x11:25mm --train 40
+# With fewer dots ViSP, too, calibrates its camera in a second.
+sed -i 's/columns: 11/columns: 7/; s/rows: 11/rows: 7/; s/pitch_mm: 25/pitch_mm: 40/' cell/truth.yaml
+experiment=("$bin/planar-experiment" --cell cell/cell.yaml --grid circles:7x7:40mm --train 40
   --loop-only 5 --out DIR)
 
 # killed_at FILE LINES: begins or continues, and is killed once the file has so many lines.

@@ -33,6 +33,7 @@ expect 2 "field.yaml: is a field at the lamps; name the cell that has them with 
 export_map --format numpy --cell cell/cell.yaml --phi-deg 30 --accept-map -o field.npy field.yaml >out.txt
 grep -q "^direction *tool at 30.0 deg" out.txt || fail "$(cat out.txt)"
 
+expect 2 "made.npz: names an archive of arrays.*; name it .npy" export_map --format numpy -o made.npz map.yaml
 expect 2 "--format: magic not in" export_map --format magic -o made map.yaml
 expect 2 "map.yaml: is an input of this program" export_map --format numpy -o map.yaml map.yaml
 echo 2,2 >theirs.txt

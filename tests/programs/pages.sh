@@ -2,17 +2,19 @@
 # Pages: on a terminal beside the output, elsewhere only when asked for, and never in place of another file.
 source "$(dirname "$0")/common.sh"
 
-cp -r "$2/cell" "$2/recording" .
+cp -r "$2/cell" .
+ln -s "$2/recording" .
 grid=(--grid circles:11x11:50mm)
-calibrate_camera() { "$bin/planar-calibrate-camera" "${grid[@]}" -o camera.yaml "$@" recording; }
+views=(recording/images/grid_[1-4]_0.pgm)
+calibrate_camera() { "$bin/planar-calibrate-camera" "${grid[@]}" -o camera.yaml "$@" "${views[@]}"; }
 
 calibrate_camera >printed.txt
 [ ! -e camera.html ] || fail "a page without a terminal, which nobody asked for"
-script -qec "$bin/planar-calibrate-camera ${grid[*]} -o camera.yaml recording" /dev/null >terminal.txt
+script -qec "$bin/planar-calibrate-camera ${grid[*]} -o camera.yaml ${views[*]}" /dev/null >terminal.txt
 grep -q "^<!DOCTYPE html>" camera.html || fail "no page on a terminal: $(cat terminal.txt)"
 grep -q "camera.html" terminal.txt || fail "the page is not named: $(cat terminal.txt)"
 mv camera.html first.html
-script -qec "$bin/planar-calibrate-camera --report none ${grid[*]} -o camera.yaml recording" /dev/null >terminal.txt
+script -qec "$bin/planar-calibrate-camera --report none ${grid[*]} -o camera.yaml ${views[*]}" /dev/null >terminal.txt
 [ ! -e camera.html ] || fail "--report none made a page"
 
 # The page has the figures that are printed, is the same again, and replaces an earlier one.

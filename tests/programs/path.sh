@@ -38,6 +38,15 @@ grep -q "The path is 62.8 mm long" plan.html || fail "the page of a path"
 "${servo[@]}" --targets holes.dxf --drawing-unit mm --check --report plan.html | grep -q "1 of 1 targets can be reached" ||
   fail "the points of a drawing"
 grep -q "<td[^>]*>260.000</td>" plan.html || fail "the page of targets"
+{
+  head -n 12 holes.dxf
+  printf '0\nLINE\n8\n0\n10\n%s\n20\n200\n11\n%s\n21\n200\n' 260 250 240 230
+  printf '0\nENDSEC\n0\nEOF\n'
+} >plate.dxf
+"${servo[@]}" --path plate.dxf --drawing-unit mm --check 2>said.txt >checked.txt || fail "$(cat said.txt)"
+grep -q "plate.dxf: its 2 parts do not meet: .* 10.0 mm" said.txt || fail "a gap in a path is not said: $(cat said.txt)"
+"${servo[@]}" --targets plate.dxf --drawing-unit mm --check 2>said.txt >checked.txt || fail "$(cat said.txt)"
+if grep "do not meet" said.txt; then fail "targets had to meet"; fi
 cp part.nc kept.nc
 expect 2 "kept.nc: is a file of another program" "${servo[@]}" --path part.nc --check --report kept.nc
 cmp part.nc kept.nc || fail "a page replaced a program"

@@ -6,6 +6,8 @@ source "$(dirname "$0")/common.sh"
 
 cp -r "$2/cell" "$2/recording" .
 
+"$bin/planar" >listed.txt
+expect_sample listed.txt "$bin/planar"
 "$bin/planar-virtual-cell" draw --seed 7 -o cells/7 >drawn.txt
 expect_sample drawn.txt "$bin/planar-virtual-cell"
 (cd cells/7 && "$bin/planar-next" --cell cell.yaml --json ../../next.json) >next.txt
@@ -86,13 +88,13 @@ quiet planar-board circles:11x11:15mm -o quiet.svg --json quiet.json
 for file in quiet.svg quiet.json; do [ -s "$file" ] || fail "planar-board -q has not written $file"; done
 quiet planar-virtual-cell draw --seed 7 -o quiet_cell
 quiet planar-record --cell cell/cell.yaml --plan plan.csv --out quiet_recording
-quiet planar-calibrate-camera --grid circles:11x11:50mm -o quiet.yaml recording
-quiet planar-locate-lamps --cell cell/cell.yaml -o quiet_lamps.csv recording
+quiet planar-calibrate-camera --grid circles:11x11:50mm -o quiet.yaml recording/images/grid_[1-4]_0.pgm
+quiet planar-locate-lamps --cell cell/cell.yaml -o quiet_lamps.csv RECORDING
 quiet planar-pair-tracker --cell cell/cell.yaml --lamps lamps.csv --recording recording \
   --workplane-out workplane.yaml --tool-out tool.yaml -o quiet_pairs.csv \
   --grid circles:11x11:50mm --lays-out quiet_lays.csv
 quiet planar-calibrate-arm --cell cell/cell.yaml -o quiet_arm.yaml paired.csv
-quiet planar-plan --cell paired_cell/cell.yaml --readings 8 --after paired.csv -o quiet_plan.csv
+quiet planar-plan --cell cell/cell.yaml --readings 12 -o quiet_plan.csv
 quiet planar-fit-error-map -o quiet_map.yaml pairs.csv
 quiet planar-fit-error-map --cell paired_cell/cell.yaml -o quiet_field.yaml paired.csv
 quiet planar-check-error-map map.yaml pairs.csv

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A served cell whose arm follows what moves it: the example of a motion program, and drivers on Modbus. Targets are
-# reached, and a person's stop and a program that dies are survived: loopback_only.sh served_links.sh BIN_DIR.
+# reached, joints that are exchanged are named, and a person's stop and a program that dies are survived:
+# loopback_only.sh served_links.sh BIN_DIR.
 source "$(dirname "$0")/common.sh"
 source "$repository/tests/programs/served.sh"
 
@@ -19,6 +20,14 @@ grep -q "^well  *drives: simulated motors, at 0, 0, 0 counts, off" doctor.txt ||
 expect 1 "start with --at-marks" "${servo[@]}" --no-health --out made
 "${servo[@]}" --at-marks --out by_command
 reached by_command
+
+# One that exchanges the counts of two joints: the check says so, and no target is driven.
+at_cell "arm marks"
+sed -i 's/int(value) for value in values\[:3\]/int(values[i]) for i in (1, 0, 2)/
+        s/map(str, self.counts())/str(self.counts()[i]) for i in (1, 0, 2)/' cell/motion_program.py
+[ "$(grep -c "for i in (1, 0, 2)" cell/motion_program.py)" -eq 2 ] || fail "no counts were exchanged"
+expect 1 "the drives of joints 1 and 2 are exchanged" "${servo[@]}" --at-marks --out made
+cp "$repository/examples/python/motion_program.py" cell
 
 # A program that dies in mid-move: the run ends and says how.
 at_cell "arm marks"

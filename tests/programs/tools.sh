@@ -35,6 +35,8 @@ steps = list(csv.DictReader(line for line in open("run/steps.csv") if line[0] !=
 last = {step["target"]: step for step in steps}
 assert abs(float(last["A"]["x_believed_mm"]) - 170) < 0.5 and abs(float(last["C"]["x_believed_mm"]) - 200) < 0.1, last
 END
+grep -q "name: needle.yaml, sha256: .*, role: tool_tip" run/run.yaml || fail "the run does not name its tool: $(cat run/run.yaml)"
+grep -q "^  frames_complete: [1-9][0-9]*$" run/run.yaml || fail "the figures lack what was counted: $(cat run/run.yaml)"
 "$bin/planar-servo" -q --no-health --cell cell/tools.yaml --tool needle --targets - --out streamed <<<"S,200,100" >answers.txt
 grep -q '"status":"reached"' answers.txt || fail "$(cat answers.txt)"
 

@@ -412,6 +412,19 @@ TEST_CASE("A place whose program was killed between its reading and its frames h
   CHECK(ids_in_tables(request) == Ids{"t0", "t1", "t0", "t1"});
 }
 
+TEST_CASE("Readings whose frames were lost are named and kept, and nothing is recorded over them") {
+  const test::TemporaryFolder folder;
+  const RecordRequest request = two_places(folder);
+  NotingDevices devices;
+  record(request, devices);
+  const std::string readings = read_file(request.recording / "tracker.csv");
+  std::filesystem::remove(request.recording / "frames.csv");
+  NotingDevices again;
+  CHECK_THROWS_MATCHES(record(request, again), InputError, Refused(Cause::kMissing, "t0, t1"));
+  CHECK(again.asked.empty());
+  CHECK(read_file(request.recording / "tracker.csv") == readings);
+}
+
 TEST_CASE("Frames come later than those of a clock that has begun anew since") {
   const test::TemporaryFolder folder;
   RecordRequest request = two_places(folder);

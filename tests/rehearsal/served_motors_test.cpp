@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <optional>
 
 #include "planar_servo/base/core/clock.h"
 #include "planar_servo/base/io/atomic_file.h"
@@ -100,6 +101,25 @@ TEST_CASE("Pulses of a served board turn the arm by the truth's gears, whatever 
   const auto angle = [](const TipPose& tip) { return std::atan2(tip.p.y(), tip.p.x()); };
   // Twice as far, the other way than a clockwise arm should; eccentricity is below 0.01 rad.
   CHECK(angle(after) - angle(before) == Approx(0.2).margin(0.01));
+}
+
+/// Two that serve at one place, the second later.
+template <typename Served, typename... More>
+void check_leaves_other(const More&... more) {
+  const test::TemporaryFolder folder;
+  const auto place = folder / "place";
+  {
+    std::optional<Served> first(std::in_place, place, more...);
+    const Served second(place, more...);
+    first.reset();
+    CHECK(std::filesystem::exists(place));
+  }
+  CHECK_FALSE(std::filesystem::exists(std::filesystem::symlink_status(place)));
+}
+
+TEST_CASE("A pipe or port that ends leaves what has taken its place, and removes its own") {
+  check_leaves_other<PtyPort>();
+  check_leaves_other<ShaftPipe>([](const EmulatedGrbl::Pulses&) {});
 }
 
 TEST_CASE("A trail of motors keeps every turn and forgets the steps between") {

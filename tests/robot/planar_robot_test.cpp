@@ -34,6 +34,7 @@ struct SearchingMachine final : MachineLink {
   void stop() override { state.moving = state.homing = false; }
   void search_home(int, HomeDirection) override { state.moving = state.homing = true; }
   MachineState read() override { return state; }
+  const char* starter() const override { return ""; }
   MachineState state;
 };
 

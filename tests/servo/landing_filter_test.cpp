@@ -33,13 +33,15 @@ TEST_CASE("After two looks without a move between them the filter is the closed 
   const double of_mean = both / (both + noise / 2.0);
   const Eigen::Vector2d sight = of_mean * (0.5 * (z1 + z2) - c);
   const Eigen::Vector2d wanted = d * d / both * sight;
-  CHECK((filter.persistent_error().mean - wanted).norm() < 1e-15);
-  const double variance = d * d - d * d * d * d / (both + noise / 2.0);
-  CHECK(filter.persistent_error().covariance(0, 0) == Approx(variance));
   // The landing adds what the last look leaves beside d + v, shared between scatter and noise.
   const Eigen::Vector2d landing = c + wanted + s * s / noise * (z2 - c - sight);
   CHECK((filter.landing().mean - landing).norm() < 1e-15);
   CHECK((filter.next_command(c) - (c - wanted)).norm() < 1e-15);
+  // A stop without scatter that is hardly seen lands where the arm's persistent error puts it.
+  filter.take({c, z2, 1.0, 0.0});
+  CHECK((filter.landing().mean - c - wanted).norm() < 1e-14);
+  const double variance = d * d - d * d * d * d / (both + noise / 2.0);
+  CHECK(filter.landing().covariance(0, 0) == Approx(variance));
 }
 
 TEST_CASE("A landing's stated deviation is that of its errors, with errors that go together") {

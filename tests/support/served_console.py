@@ -10,8 +10,8 @@ import urllib.request
 class ServedConsole:
     """A running planar-console: what it printed, its addresses by their words, its origin and tokens."""
 
-    def __init__(self, program, cell):
-        self.process = subprocess.Popen([program, "--cell", cell, "--port", "0"], stdout=subprocess.PIPE, text=True)
+    def __init__(self, program, cell, *options):
+        self.process = subprocess.Popen([program, "--cell", cell, "--port", "0", *options], stdout=subprocess.PIPE, text=True)
         self.printed = [self.process.stdout.readline() for _ in range(3)]
         self.address = dict(re.match(r"to (.*): (http://\S+)", line).groups() for line in self.printed[:2])
         self.origin = self.address["operate"].split("/?")[0]

@@ -116,6 +116,14 @@ TEST_CASE("Numbers are typed as the cell file says") {
   CHECK(person.has_seen("type x;y;z in m;"));
 }
 
+TEST_CASE("Numbers of a unit without a name are not asked for as metres") {
+  Person person;
+  constexpr double kInches = 0.0254;
+  AskedTracker tracker({{',', false, {}}, kInches}, person.terminal());
+  person.leave();
+  CHECK_THROWS_AS(tracker.measure_tool("t0"), std::invalid_argument);
+}
+
 TEST_CASE("What a person types before a question is no answer to it") {
   Person person;
   AskedTracker tracker({}, person.terminal());

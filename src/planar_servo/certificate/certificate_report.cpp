@@ -219,7 +219,8 @@ std::string judge_words(const Certificate& certificate) {
   return fmt::format(
       "the cell's laser tracker, its reflector's reading moved to the end point by tool.yaml; "
       "standard uncertainty {} mm per axis, besides the errors of the monuments' places. All "
-      "figures hold its noise, which makes up to {} mm of RP by itself",
+      "figures hold its noise, which makes up to {} mm of RP by itself; what all readings share "
+      "makes none",
       figure_mm(certificate.accuracy.judge_sigma),
       figure_mm(kRepeatabilityOfScatter * certificate.accuracy.judge_sigma));
 }

@@ -46,11 +46,11 @@ class BoardSink final : public spdlog::sinks::base_sink<std::mutex> {
 /// Returns the encryption that is asked for; null for none.
 std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
   const std::string& address = listening.address;
-  if (address == "0.0.0.0")
+  if (address == "0.0.0.0" || address == "::")
     throw InputError(
         {"is every address of this computer", "name the one by which others reach it", "--listen"});
   if (listening.certificate.empty() != listening.key.empty())
-    throw InputError("--certificate and --key need each other");
+    throw InputError("--tls-cert and --tls-key need each other");
   if (!listening.key.empty()) {
     auto tls = std::make_shared<const Tls>(listening.certificate, listening.key);
     if (!tls->is_for(address))
@@ -60,10 +60,10 @@ std::shared_ptr<const Tls> tls_of(const ConsoleListening& listening) {
           listening.certificate.string(), address);
     return tls;
   }
-  if (address == "127.0.0.1") return nullptr;
+  if (address == "127.0.0.1" || address == "::1") return nullptr;
   throw InputError(
       {fmt::format("{} is not this computer alone, and others could read what is sent", address),
-       fmt::format("give --certificate and --key; this makes them: openssl req -x509 -newkey ec "
+       fmt::format("give --tls-cert and --tls-key; this makes them: openssl req -x509 -newkey ec "
                    "-pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 365 -subj "
                    "/CN=planar-console -addext subjectAltName=IP:{} -keyout key.pem -out "
                    "certificate.pem",
@@ -119,7 +119,8 @@ struct Console::Kept {
   std::function<bool()> interrupted;
   std::shared_ptr<const Tls> tls{tls_of(listening)};
   ListeningPort port{listening.address, listening.port};
-  Gatekeeper gate{{port.number(), listening.address, tls, listening.origins}, new_tokens()};
+  Gatekeeper gate{{port.number(), listening.address, tls, listening.origins},
+                  new_tokens(listening.token_file)};
   StateBoard board{CellNames(cell_file)};
 };
 

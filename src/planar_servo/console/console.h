@@ -18,6 +18,7 @@ struct ConsoleListening {
   int port{0};  ///< 0 for a free one
   std::string address{"127.0.0.1"};
   std::filesystem::path certificate{}, key{};
+  std::filesystem::path token_file{};  ///< see new_tokens()
   std::vector<std::string> origins{};  ///< see ConsoleSite
 };
 
@@ -26,7 +27,7 @@ class Console {
  public:
   /// Opens the cell's devices and listens. `interrupted` is asked all the time. Throws InputError
   /// for a cell that cannot be used, a port that is taken, an address of other computers without a
-  /// certificate, and a cell that another console serves.
+  /// certificate, a token_file that will not do, and a cell that another console serves.
   Console(const std::filesystem::path& cell_file, const ConsoleListening& listening,
           std::function<bool()> interrupted);
   ~Console();

@@ -7,6 +7,7 @@
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
+#include "planar_servo/base/io/csv_fields.h"
 #include "planar_servo/base/io/yaml_reader.h"
 #include "planar_servo/base/io/yaml_writer.h"
 
@@ -61,12 +62,21 @@ void read_camera(Fields& fields, CameraSettings& camera, const DeviceKinds& kind
   if (camera.kind != nullptr) camera.details = camera.kind->read(fields);
 }
 
-void read_heights(Fields& fields, const std::string& key, Heights& heights) {
-  if (!fields.given(key, false)) return;
+bool check_rising(Fields& fields, const std::string& key, const std::string& name, double lower,
+                  double upper) {
+  return fields.check(lower < upper,
+                      {fmt::format("{} is [{:g}, {:g}]", name, lower, upper),
+                       "the lower limit must be below the upper one"},
+                      key);
+}
+
+/// Returns whether the heights, if they are given, are heights.
+bool read_heights(Fields& fields, const std::string& key, Heights& heights) {
+  if (!fields.given(key, false)) return true;
   std::array<double, 2> limits{};
-  if (!fields.numbers(key, limits, kMillimetre)) return;
-  fields.check(limits[0] < limits[1], {"the lower height must come first"}, key);
+  if (!fields.numbers(key, limits, kMillimetre)) return false;
   heights = {limits[0], limits[1]};
+  return check_rising(fields, key, key, mm(limits[0]), mm(limits[1]));
 }
 
 /// Reads what the arm takes up, which only a workspace with obstacles asks for.
@@ -77,8 +87,8 @@ void read_body(Fields& fields, ArmBody& body) {
     std::array<Eigen::Vector2d, 2> heights{};
     fields.rows("link_height_mm", heights, kMillimetre);
     for (std::size_t i = 0; i < 2; ++i) {
-      fields.check(heights[i].x() < heights[i].y(), {"the lower height must come first"},
-                   "link_height_mm");
+      check_rising(fields, "link_height_mm", fmt::format("arm.link_height_mm[{}]", i),
+                   mm(heights[i].x()), mm(heights[i].y()));
       body.link_heights[i] = {heights[i].x(), heights[i].y()};
     }
   }
@@ -102,11 +112,8 @@ void read_joints(Fields& fields, TransmissionSettings& transmission) {
   if (!fields.rows("joint_limits_deg", transmission.limits_rad, kDegree)) return;
   for (std::size_t i = 0; i < transmission.limits_rad.size(); ++i) {
     const Eigen::Vector2d& limits = transmission.limits_rad[i];
-    fields.check(limits.x() < limits.y(),
-                 {fmt::format("arm.joint_limits_deg[{}] is [{:g}, {:g}]", i, limits.x() / kDegree,
-                              limits.y() / kDegree),
-                  "the lower limit must be below the upper one"},
-                 "joint_limits_deg");
+    check_rising(fields, "joint_limits_deg", fmt::format("arm.joint_limits_deg[{}]", i),
+                 limits.x() / kDegree, limits.y() / kDegree);
   }
 }
 
@@ -144,25 +151,37 @@ void list_servo(Fields& fields, ServoSettings& servo) {
   if (fields.given("learn", true)) fields.choice("learn", servo.learns, kTruths);
 }
 
-/// Reads `x_mm, y_mm, radius_mm` of a disc, or the corners `polygon_mm`; both may have `z_mm`.
-void read_barrier(Fields& fields, Barrier& barrier) {
-  fields.text("name", barrier.name);
-  read_heights(fields, "z_mm", barrier.heights);
-  if (!fields.given("polygon_mm", false)) {
-    barrier.corners_B.assign(1, Eigen::Vector2d::Zero());
-    fields.number("x_mm", barrier.corners_B[0].x(), kMillimetre);
-    fields.number("y_mm", barrier.corners_B[0].y(), kMillimetre);
-    fields.number("radius_mm", barrier.radius_m, kMillimetre, Range::positive());
-    return;
-  }
-  fields.rows("polygon_mm", barrier.corners_B, kMillimetre);
-  fields.check(
-      is_simple_polygon(barrier.corners_B),
-      {"needs three corners or more, in the order of its edge, which must not cross itself"},
-      "polygon_mm");
+/// Reads a disc or a polygon. Returns whether it has an area.
+bool read_outline(Fields& fields, Barrier& barrier) {
+  std::vector<Eigen::Vector2d>& corners = barrier.corners_B;
+  if (fields.given("polygon_mm", false))
+    return fields.rows("polygon_mm", corners, kMillimetre) &&
+           fields.check(
+               is_simple_polygon(corners),
+               {fmt::format("polygon_mm has {} corners that bound no area", corners.size()),
+                "three or more are needed, in the order of the edge, which must not meet itself"},
+               "polygon_mm");
+  corners.assign(1, Eigen::Vector2d::Zero());
+  const bool x = fields.number("x_mm", corners[0].x(), kMillimetre);
+  const bool y = fields.number("y_mm", corners[0].y(), kMillimetre);
+  return fields.number("radius_mm", barrier.radius_m, kMillimetre, Range::positive()) && x && y;
 }
 
-void read_workspace(Fields& fields, Workspace& workspace) {
+void read_barrier(Fields& fields, Barrier& barrier, const ArmBody& body) {
+  fields.text("name", barrier.name);
+  const bool has_heights = read_heights(fields, "z_mm", barrier.heights);
+  if (!read_outline(fields, barrier) || !has_heights) return;
+  fields.check(!body.link_heights[0].overlap(barrier.heights) ||
+                   distance_m({0.0, 0.0}, {0.0, 0.0}, barrier) > 0.5 * body.link_widths_m[0],
+               {fmt::format("the obstacle {} reaches over the base's axis, where link 1 turns",
+                            barrier.name),
+                "correct its place, or give it z_mm and the links link_height_mm", "",
+                Cause::kContradiction});
+}
+
+/// Reads the workspace of an arm with this body. One that knows of obstacles but not of its own
+/// width would touch them.
+void read_workspace(Fields& fields, Workspace& workspace, const ArmBody& body) {
   const bool lower =
       fields.number("radius_min_mm", workspace.radius_min_m, kMillimetre, Range::at_least(0.0));
   const bool upper =
@@ -174,24 +193,13 @@ void read_workspace(Fields& fields, Workspace& workspace) {
     fields.number("y_mm", circle.p_B.y(), kMillimetre);
     fields.number("radius_mm", circle.radius_m, kMillimetre, Range::positive());
   });
-  if (fields.given("obstacles", false))
-    fields.maps("obstacles", workspace.barriers,
-                [&](Barrier& barrier) { read_barrier(fields, barrier); });
-}
-
-/// An arm that knows of obstacles but not of its own width would touch them.
-void require_body(Fields& fields, const ArmSettings& arm, const Workspace& workspace) {
-  fields.check(workspace.barriers.empty() || arm.geometry.body.link_widths_m.minCoeff() > 0.0,
+  if (!fields.given("obstacles", false)) return;
+  fields.maps("obstacles", workspace.barriers,
+              [&](Barrier& barrier) { read_barrier(fields, barrier, body); });
+  fields.check(workspace.barriers.empty() || body.link_widths_m.minCoeff() > 0.0,
                {"workspace.obstacles are there, but the arm's width is not known",
-                "add arm.link_width_mm: [WIDTH1, WIDTH2]", "", Cause::kMissing});
-  const ArmBody& body = arm.geometry.body;
-  for (const Barrier& barrier : workspace.barriers)
-    fields.check(!body.link_heights[0].overlap(barrier.heights) ||
-                     distance_m({0.0, 0.0}, {0.0, 0.0}, barrier) > 0.5 * body.link_widths_m[0],
-                 {fmt::format("the obstacle {} reaches over the base's axis, where link 1 turns",
-                              barrier.name),
-                  "correct its place, or give it z_mm and the links link_height_mm", "",
-                  Cause::kContradiction});
+                "add arm.link_width_mm: [WIDTH1, WIDTH2]", "", Cause::kMissing},
+               "obstacles");
 }
 
 void read_lamps(Fields& fields, LampSettings& lamps) {
@@ -236,8 +244,13 @@ void read_tracker(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) 
     if (kind->is_virtual() == in_virtual_cell && kind->measures() == in_virtual_cell)
       tracker.kind = kind;
   if (fields.given("source", true)) read_kind(fields, "source", kinds.trackers, tracker.kind);
-  fields.number("sigma_mm", tracker.sigma_m, kMillimetre, Range::at_least(0.0));
-  fields.number("sigma_mm_per_m", tracker.sigma_m_per_m, kMillimetre, Range::at_least(0.0));
+  const bool measures = tracker.kind == nullptr || tracker.kind->measures();
+  const auto deviation = [&](const char* key, double& field) {
+    if (fields.given(key, measures) || measures)
+      fields.number(key, field, kMillimetre, Range::at_least(0.0));
+  };
+  deviation("sigma_mm", tracker.sigma_m);
+  deviation("sigma_mm_per_m", tracker.sigma_m_per_m);
   if (fields.given("bias_mm", false))
     fields.number("bias_mm", tracker.bias_m.emplace(), kMillimetre, Range::at_least(0.0));
   if (tracker.kind != nullptr) tracker.details = tracker.kind->read(fields);
@@ -257,6 +270,8 @@ void read_file_name(Fields& fields, const char* key, const CellSettings& cell,
                     std::filesystem::path& file) {
   std::string name;
   fields.text(key, name);
+  fields.check(!finite_number(name),
+               {fmt::format("{} is {}", key, name), "the name of a file is needed"}, key);
   file = cell.file.parent_path() / name;
 }
 
@@ -282,8 +297,7 @@ void read_fields(Fields& fields, CellSettings& cell, const DeviceKinds& kinds) {
                "drives");
   fields.number("tool_orientation_deg", cell.tool_orientation, kDegree);
   fields.map("servo", [&] { list_servo(fields, cell.servo); });
-  fields.map("workspace", [&] { read_workspace(fields, cell.workspace); });
-  require_body(fields, cell.arm, cell.workspace);
+  fields.map("workspace", [&] { read_workspace(fields, cell.workspace, cell.arm.geometry.body); });
   if (fields.given("tools", false)) {
     const std::vector<std::string> names = fields.names_in("tools");
     fields.map("tools", [&] {

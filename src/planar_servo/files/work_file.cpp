@@ -45,8 +45,13 @@ const TableSchema<Fiducial>& mark_schema() {
         columns.optional_number("sigma_z_mm", sigma_z, kMillimetre, 6);
         mark.z = z.value_or(0.0);
         mark.sigma_z = sigma_z.value_or(0.0);
-        columns.check(mark.size > 0.0, {"must be positive"}, "size_mm");
-        columns.check(mark.sigma_z >= 0.0, {"must not be negative"}, "sigma_z_mm");
+        columns.check(mark.size > 0.0,
+                      {fmt::format("size_mm is {:g}", mm(mark.size)), "it must be positive"},
+                      "size_mm");
+        columns.check(
+            mark.sigma_z >= 0.0,
+            {fmt::format("sigma_z_mm is {:g}", mm(mark.sigma_z)), "it must not be negative"},
+            "sigma_z_mm");
         columns.check(
             mark.kind != FiducialKind::kAprilTag || tag_number(mark.id).has_value(),
             {"the id of an AprilTag must end with the tag's number", "write it as 7 or tag7"},

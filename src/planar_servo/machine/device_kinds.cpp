@@ -165,7 +165,7 @@ class VirtualDriveKind final : public DriveKind {
   bool moves_straight() const override { return false; }
   /// A virtual drive knows its position unless it is to be found by sight.
   void read(Fields& drive, CellSettings& cell, std::size_t joint) const override {
-    if (drive.given("home", false)) list_home(drive, cell.transmission.drives[joint]);
+    if (drive.given("home", false)) list_home(drive, cell, joint);
   }
   /// Puts the drive's home switch where the drive stands at first.
   void complete(CellSettings& cell, std::size_t joint) const override {

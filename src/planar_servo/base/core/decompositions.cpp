@@ -20,16 +20,21 @@ Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
   return A.ldlt().solve(B);
 }
 
-std::optional<Eigen::MatrixXd> solve_positive(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+std::optional<Eigen::MatrixXd> solve_positive(Eigen::MatrixXd A, Eigen::MatrixXd B,
                                               double least_rcond) {
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(A);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(A);
   if (cholesky.info() != Eigen::Success) return std::nullopt;
   if (least_rcond > 0.0 && cholesky.rcond() < least_rcond) return std::nullopt;
-  return cholesky.solve(B);
+  cholesky.solveInPlace(B);
+  return B;
 }
 
-std::optional<Eigen::MatrixXd> lower_factor(const Eigen::MatrixXd& A) {
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(A);
+void solve_positive_in_place(Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::MatrixXd> B) {
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(A).solveInPlace(B);
+}
+
+std::optional<Eigen::MatrixXd> lower_factor(Eigen::MatrixXd A) {
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(A);
   if (cholesky.info() != Eigen::Success) return std::nullopt;
   return cholesky.matrixL();
 }

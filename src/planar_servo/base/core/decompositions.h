@@ -26,11 +26,22 @@ Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
 
 /// Returns X of A X = B for a symmetric positive definite A. Empty when A is not positive definite,
 /// or when the reciprocal of its condition number is below `least_rcond`.
-std::optional<Eigen::MatrixXd> solve_positive(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+std::optional<Eigen::MatrixXd> solve_positive(Eigen::MatrixXd A, Eigen::MatrixXd B,
                                               double least_rcond = 0.0);
 
+/// Replaces B by X of A X = B for a symmetric positive definite A, which is overwritten. It takes
+/// no memory, for small matrices that are solved for every frame.
+void solve_positive_in_place(Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::MatrixXd> B);
+
+template <int N>
+Eigen::Matrix<double, N, N> inverse_of_positive(Eigen::Matrix<double, N, N> A) {
+  Eigen::Matrix<double, N, N> inverse = Eigen::Matrix<double, N, N>::Identity();
+  solve_positive_in_place(A, inverse);
+  return inverse;
+}
+
 /// Returns the lower triangular L of A = L L^T. Empty when A is not positive definite.
-std::optional<Eigen::MatrixXd> lower_factor(const Eigen::MatrixXd& A);
+std::optional<Eigen::MatrixXd> lower_factor(Eigen::MatrixXd A);
 
 /// Returns X of L X = B, or of L^T X = B, for a lower triangular L; both may be empty.
 Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& L, Eigen::MatrixXd B);

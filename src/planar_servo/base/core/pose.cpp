@@ -50,7 +50,7 @@ using Points = Eigen::Matrix<double, N, Eigen::Dynamic>;
 /// Returns whether the points determine a rigid motion, for which they must span N - 1 directions.
 template <int N>
 bool span_enough(const Points<N>& centred) {
-  const Eigen::Matrix<double, N, N> scatter = centred * centred.transpose();
+  const Eigen::Matrix<double, N, N> scatter = centred.lazyProduct(centred.transpose());
   const Eigen::VectorXd squares = symmetric_eigenvalues(scatter);  // of the spread along each axis
   return squares(N - 1) > 0.0 && squares(1) > kLeastSpread * kLeastSpread * squares(N - 1);
 }
@@ -69,7 +69,7 @@ Eigen::Transform<double, N, Eigen::Isometry> fit_rigid(const Points<N>& p_A, con
   if (!span_enough<N>(centred_A) || !span_enough<N>(centred_B))
     throw InputError({N == 2 ? "all points are in one place" : "the points lie on one line",
                       N == 2 ? "" : "move one of them off it", "rigid fit", Cause::kInsufficient});
-  const SingularValues svd = singular_values(centred_B * centred_A.transpose());
+  const SingularValues svd = singular_values(centred_B.lazyProduct(centred_A.transpose()));
   const Eigen::Matrix<double, N, N> U = svd.U, V = svd.V;
   Eigen::Vector<double, N> signs = Eigen::Vector<double, N>::Ones();
   signs(N - 1) = (V * U.transpose()).determinant() < 0.0 ? -1.0 : 1.0;

@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <initializer_list>
-#include <iterator>
 #include <set>
+#include <sstream>
 #include <system_error>
 
 #include "planar_servo/base/core/error.h"
@@ -223,12 +223,12 @@ std::ifstream open_file(const fs::path& path) {
 
 std::string read_file(const fs::path& path) {
   std::ifstream in = open_file(path);
-  try {
-    return {std::istreambuf_iterator<char>(in), {}};
-  } catch (const std::ios_base::failure&) {
+  std::ostringstream text;
+  if (in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
+  if (in.bad() || text.fail())
     throw InputError({"cannot be read to its end", "check the disk or network where it lies", path,
                       Cause::kSystem});
-  }
+  return text.str();
 }
 
 void require_not_input(const fs::path& output, const fs::path& input) {

@@ -257,7 +257,9 @@ bool YamlReader::given(const std::string& key, bool /*wanted*/) {
 std::vector<std::string> YamlReader::names_in(const std::string& key) {
   const Impl::Place map = impl_->at(key);
   std::vector<std::string> names;
-  if (map.node.IsDefined() && map.node.IsMap())
+  if (!map.present() || !map.node.IsMap())
+    impl_->fault(map, {map.title() + " is " + shown(map.node), "a map of keys is needed"});
+  else
     for (const auto& entry : map.node) names.push_back(entry.first.Scalar());
   return names;
 }

@@ -102,8 +102,10 @@ nlohmann::ordered_json body_of(const httplib::Request& request,
   return body;
 }
 
-/// Returns the pattern of a path: what is in braces is one digit.
+/// Returns the pattern of a path: what is in braces is one digit, and a dot is a dot.
 std::string pattern_of(std::string path) {
+  for (std::size_t dot = path.find('.'); dot != path.npos; dot = path.find('.', dot + 2))
+    path.insert(dot, 1, '\\');
   const std::size_t begin = path.find('{');
   if (begin != path.npos) path.replace(begin, path.find('}') + 1 - begin, "(\\d)");
   return path;
@@ -217,7 +219,7 @@ void ConsoleApi::serve_page(const std::string& description) {
   for (const EmbeddedFile& file : kConsolePage) {
     const std::string name = file.name;
     const std::string text = name == "openapi.json" ? description : std::string(file.text);
-    server_.Get(name == "index.html" ? "/" : "/" + name,
+    server_.Get(pattern_of(name == "index.html" ? "/" : "/" + name),
                 [text, type = type_of(name)](const Request&, Response& response) {
                   response.set_content(text, type);
                 });

@@ -7,10 +7,14 @@
 #include <algorithm>
 #include <array>
 
+#include "planar_servo/base/io/atomic_file.h"
+
 namespace planar {
 namespace {
 
 constexpr std::size_t kTokenBytes = 16;
+constexpr std::string_view kTokenLetters =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
 constexpr std::size_t kLeastClient = 16, kMostClient = 64;  // digits of X-Planar-Client
 constexpr char kJsonType[] = "application/json";
 
@@ -19,6 +23,25 @@ std::string new_token() {
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
     throw WorkError("the system gives no random bytes", Cause::kSystem);
   return fmt::format("{:02x}", fmt::join(bytes, ""));
+}
+
+std::string token_in(const std::filesystem::path& file) {
+  using std::filesystem::perms;
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  const std::string text = exists(status) ? read_file(file) : "";
+  std::string token = text.substr(0, text.find_first_of("\r\n"));
+  const bool is_shared =
+      (status.permissions() & (perms::group_all | perms::others_all)) != perms::none;
+  const bool is_token =
+      token.size() >= kTokenBytes && token.find_first_not_of(kTokenLetters) == token.npos;
+  if (is_token && !is_shared) return token;
+  throw InputError(
+      {!exists(status) ? "does not exist"
+       : is_token      ? "is open to others than its owner, who could operate the cell"
+                       : "does not begin with a line of 16 or more letters, digits, - and _",
+       fmt::format("rm -f {0} && (umask 077 && openssl rand -hex 16 >{0})", file.string()), file,
+       text.empty() ? Cause::kMissing : Cause::kInvalid});
 }
 
 bool begins(std::string_view text, std::string_view with) {
@@ -46,8 +69,8 @@ std::string_view cookie_in(std::string_view header, std::string_view name) {
 
 }  // namespace
 
-Tokens new_tokens() {
-  return {new_token(), new_token()};
+Tokens new_tokens(const std::filesystem::path& kept) {
+  return {new_token(), kept.empty() ? new_token() : token_in(kept)};
 }
 
 bool same_secret(std::string_view a, std::string_view b) {
@@ -61,13 +84,15 @@ bool ConsoleSite::is_own_page(const std::string& origin, const std::string& host
 
 bool ConsoleSite::is_own(const std::string& host) const {
   if (is_own_page("http://" + host, "") || is_own_page("https://" + host, "")) return true;
-  constexpr int kPortOfHttps = 443;  // browsers leave it out
-  const std::size_t colon = host.find(':');
+  constexpr int kPortOfHttps = 443;            // browsers leave it out
+  const std::size_t bracket = host.find(']');  // of IPv6
+  const std::size_t colon = host.find(':', bracket == host.npos ? 0 : bracket);
   if (host.substr(colon == host.npos ? host.size() : colon) != fmt::format(":{}", port) &&
       !(tls && port == kPortOfHttps && colon == host.npos))
     return false;
-  const std::string name = host.substr(0, colon);
-  return tls ? tls->is_for(name) : name == "127.0.0.1" || name == "localhost";
+  std::string name = host.substr(0, colon);
+  if (begins(name, "[")) name = name.substr(1, name.size() - 2);
+  return tls ? tls->is_for(name) : name == "127.0.0.1" || name == "localhost" || name == "::1";
 }
 
 std::optional<Denial> Gatekeeper::denial(const RequestHead& head) const {

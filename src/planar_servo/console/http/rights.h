@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,13 +15,16 @@ namespace planar {
 /// What a client of the console may do; each right includes those before it.
 enum class Right { kNone, kRead, kOperate };
 
-/// The secrets by which clients show their rights, 128 random bits each in hexadecimal digits.
+/// The secrets by which clients show their rights.
 struct Tokens {
   std::string read, operate;
 };
 
-/// Returns tokens that nobody can guess. Throws WorkError when the system gives no random bytes.
-Tokens new_tokens();
+/// Returns tokens of 128 random bits each in hexadecimal digits, the one to operate by from the
+/// first line of the file `kept` unless that is empty. Throws InputError for a file that others
+/// than its owner may open, or whose token could be guessed; WorkError when the system gives no
+/// random bytes.
+Tokens new_tokens(const std::filesystem::path& kept = {});
 
 /// Compares two texts in a time that tells nothing about where they differ.
 bool same_secret(std::string_view a, std::string_view b);
@@ -64,7 +68,9 @@ class Gatekeeper {
 
   const Tokens& tokens() const { return tokens_; }
   std::string address() const {
-    return site_.scheme() + "://" + site_.address + ":" + std::to_string(site_.port);
+    const std::string& host = site_.address;
+    return site_.scheme() + "://" + (host.find(':') == host.npos ? host : "[" + host + "]") + ":" +
+           std::to_string(site_.port);
   }
 
   /// Returns why the request is refused; empty when it may pass.

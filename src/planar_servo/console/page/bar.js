@@ -25,7 +25,7 @@ function showWork(state) {
 
 function progressText(job) {
   const name = job.name || job.kind;
-  if (job.ended !== null) return `${name}: ${job.ended}`;
+  if (job.ended !== null) return `${name}: ${plain(job.ended)}`;
   const left = job.left_s === null ? "" : `, ${duration(job.left_s)} left`;
   const unit = job.kind === "path" ? " mm" : "";
   return job.all ? `${job.done} of ${job.all}${unit}${left}` : `${name}${left}`;

@@ -35,8 +35,12 @@ export function fixed(value, decimals) {
 export const placeText = (at, decimals = 3) =>
   at ? `x ${fixed(at[0], decimals)}  y ${fixed(at[1], decimals)} mm` : "–";
 
-/// The text of planar-jog without the gauge that it draws of characters.
-export const plain = text => text.replace(/\[[= ]+\] /g, "");
+const ON_PAGE = {"--resume": "“resume what is there”", "--out": "“Folder”", "--grid": "“Board”", "--cycles": "“Cycles”",
+  "--targets": "“Targets”", "--at-marks": "“At its mark”"};
+
+/// A program's text as it is said here: without the gauge that it draws, and without options but those of whole commands.
+export const plain = text => text.replace(/\[[= ]+\] /g, "")
+  .replace(/(?<!planar-[^;,)]*)--[a-z-]+/g, option => ON_PAGE[option] || option);
 
 /// "40 s", "3 min", "1 h 20 min"
 export function duration(seconds) {
@@ -87,5 +91,5 @@ export function offerFile(id, text) {
   });
 }
 
-/// A sentence begins with a capital, but for the name of a program, a file or a place.
-export const sentence = text => /^(planar-|\S*[./_\d])/.test(text) ? text : text.charAt(0).toUpperCase() + text.slice(1);
+/// A sentence, as plain() has it, begins with a capital, but for the name of a program, a file or a place.
+export const sentence = text => plain(text).replace(/^(?!planar-|\S*[./_\d])./, first => first.toUpperCase());

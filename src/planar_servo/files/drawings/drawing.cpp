@@ -102,6 +102,19 @@ Drawing read_drawing(const std::filesystem::path& path, const DrawingSettings& s
   return read_gcode(read_file(path), path.string());
 }
 
+std::vector<std::string> path_remarks(const Drawing& drawing) {
+  std::vector<std::string> remarks = drawing.remarks;
+  const std::vector<Stroke>& strokes = drawing.strokes;
+  double between_m = 0.0;
+  for (std::size_t i = 1; i < strokes.size(); ++i)
+    between_m += (strokes[i].front().p - strokes[i - 1].back().p).norm();
+  if (strokes.size() > 1)
+    remarks.push_back(fmt::format(
+        "its {} parts do not meet: between them the end point goes straight, {:.1f} mm in all",
+        strokes.size(), mm(between_m)));
+  return remarks;
+}
+
 Path path_of(const Drawing& drawing, double tool_orientation, const std::string& where) {
   std::vector<Waypoint> waypoints;
   for (const Stroke& stroke : drawing.strokes)

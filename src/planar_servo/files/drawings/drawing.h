@@ -48,6 +48,9 @@ bool is_drawing(const std::filesystem::path& path);
 /// Reads a drawing as its name says. Throws InputError naming every part that has no meaning here.
 Drawing read_drawing(const std::filesystem::path& path, const DrawingSettings& settings = {});
 
+/// Returns the drawing's remarks, and how far a path goes between its strokes, which is not drawn.
+std::vector<std::string> path_remarks(const Drawing& drawing);
+
 /// Returns the way through all strokes, with straight ways between them; the tool keeps its
 /// direction (radians). Throws InputError, at `where`, for a drawing without strokes.
 Path path_of(const Drawing& drawing, double tool_orientation, const std::string& where);

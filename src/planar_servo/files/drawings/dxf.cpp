@@ -373,20 +373,6 @@ void require_layers(const DxfPieces& pieces, const DrawingSettings& settings,
                         Cause::kMissing});
 }
 
-/// Says what is not gone, and what is gone though it is not drawn.
-void remark_on(const DxfPieces& pieces, const std::vector<Stroke>& strokes,
-               std::vector<std::string>& remarks) {
-  for (const auto& [kind, count] : pieces.left_out)
-    remarks.push_back(fmt::format("left out: {} {}", count, kind));
-  double between_m = 0.0;
-  for (std::size_t i = 1; i < strokes.size(); ++i)
-    between_m += (strokes[i].front().p - strokes[i - 1].back().p).norm();
-  if (strokes.size() > 1)
-    remarks.push_back(fmt::format(
-        "its {} parts do not meet: between them the end point goes straight, {:.1f} mm in all",
-        strokes.size(), mm(between_m)));
-}
-
 }  // namespace
 
 Drawing read_dxf(const std::filesystem::path& path, const DrawingSettings& settings) {
@@ -404,7 +390,8 @@ Drawing read_dxf(const std::filesystem::path& path, const DrawingSettings& setti
   scale(pieces.points, unit_m);
   drawing.strokes = joined(std::move(pieces.strokes));
   drawing.points = std::move(pieces.points);
-  remark_on(pieces, drawing.strokes, drawing.remarks);
+  for (const auto& [kind, count] : pieces.left_out)
+    drawing.remarks.push_back(fmt::format("left out: {} {}", count, kind));
   return drawing;
 }
 

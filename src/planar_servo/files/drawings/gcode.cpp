@@ -27,8 +27,9 @@ constexpr double kMinute_s = 60.0;
 constexpr double kSameFeed = 1e-4;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// Returns a line without its comments: what stands in brackets, and behind a semicolon.
-std::string without_comments(const std::string& line) {
+/// Returns a line without its comments: what stands in brackets, and behind a semicolon. Empty
+/// where a bracket stays open.
+std::optional<std::string> without_comments(const std::string& line) {
   std::string code;
   bool inside = false;
   for (const char letter : line) {
@@ -38,7 +39,7 @@ std::string without_comments(const std::string& line) {
       code += static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
     if (letter == ')') inside = false;
   }
-  return code;
+  return inside ? std::nullopt : std::optional(code);
 }
 
 struct Word {
@@ -53,9 +54,11 @@ class GcodeProgram {
 
   void take(const std::string& line) {
     ++line_;
-    const std::string code = without_comments(line);
-    if (ended_ || code.empty() || code == "%") return;
-    const std::vector<Word> words = words_of(code);
+    if (ended_) return;
+    const std::optional<std::string> code = without_comments(line);
+    if (!code) return refuse("a comment stays open", "close it by ) in its own line");
+    if (code->empty() || code == "%") return;
+    const std::vector<Word> words = words_of(*code);
     numbers_.clear();
     name_ = fmt::format("line {}", line_);
     dwells_ = blends_ = false;
@@ -68,6 +71,7 @@ class GcodeProgram {
                  numbers_.count('R') >
              0)
       move();
+    for (const Word& word : words) stopped_ |= word.letter == 'M' && word.number == 0.0;
   }
 
   Drawing finish() {
@@ -156,10 +160,9 @@ class GcodeProgram {
       ended_ = true;
     else if (number == 5.0 || number == 9.0)
       switched_off_ = !stroke_.empty();
-    else if (number != 1.0)
+    else if (number != 0.0 && number != 1.0)
       refuse(fmt::format("M{:g} is not known", number),
-             number == 0.0 ? "divide the program where a person is to be waited for"
-                           : "there are M1, M2 and M30: what switches anything must be left out");
+             "there are M0, M1, M2 and M30: what switches anything must be left out");
   }
 
   void take_feed(double number) {
@@ -200,7 +203,7 @@ class GcodeProgram {
       return refuse("is straight, but has I, J or R", "take G2 or G3 for an arc",
                     Cause::kContradiction);
     if (!stroke_.empty() && (end - stroke_.back().p).norm() < kSamePoint_m) return;
-    refuse_after_switching();
+    refuse_after_interruption();
     stroke_.push_back({"", end});
     add_point(end);
   }
@@ -218,7 +221,7 @@ class GcodeProgram {
         number('R') ? center_by_radius(from, end, *number('R')) : center_by_offset(from, end);
     if (!center) return;
     const Eigen::Vector2d radius = from - *center, last = end - *center;
-    refuse_after_switching();
+    refuse_after_interruption();
     const double sense = *motion_ == 3 ? 1.0 : -1.0;  // G3 turns from x to y
     double sweep = std::atan2(cross2d(radius, last), radius.dot(last));
     if (sense * sweep <= 0.0 || (end - from).norm() < kSamePoint_m) sweep += sense * 2.0 * kPi;
@@ -227,8 +230,11 @@ class GcodeProgram {
   }
 
   /// M5 and M9 stand at the ends of a program for what it never switches on; between motions they
-  /// mean that something does.
-  void refuse_after_switching() {
+  /// mean that something does. At M0 a person is to be waited for, which nothing here can.
+  void refuse_after_interruption() {
+    if (std::exchange(stopped_, false))
+      refuse("moves after M0, at which no person is waited for here",
+             "divide the program where a person is to be waited for");
     if (std::exchange(switched_off_, false))
       refuse("moves after M5 or M9, which switch off what nothing here has switched on",
              "what switches anything between motions must be left out");
@@ -281,6 +287,7 @@ class GcodeProgram {
   std::string name_;
   std::map<char, double> numbers_;
   bool dwells_{false}, blends_{false}, ended_{false}, absolute_{true}, states_unit_{false};
+  bool stopped_{false};       ///< by M0
   bool switched_off_{false};  ///< since the last motion
   std::optional<int> motion_;
   double unit_m_{kMillimetre};

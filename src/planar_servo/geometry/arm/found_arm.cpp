@@ -179,17 +179,15 @@ LearnedArm not_yet_learned(FoundArm found, const std::vector<Joints>& postures) 
 }
 
 LearnedArm unlearned(FoundArm found, const PostureBasis& posture) {
-  if (found.form.posture.terms() > 0 || posture.terms() == 0) {
-    const Eigen::MatrixXd covariance = found.factor * found.factor.transpose();
-    return {std::move(found), covariance};
+  const bool is_new = found.form.posture.terms() == 0 && posture.terms() > 0;
+  if (is_new) {
+    found.form.posture = posture;
+    const Eigen::Index n = found.form.terms();
+    found.x.conservativeResizeLike(Eigen::VectorXd::Zero(n));
+    found.factor.conservativeResizeLike(Eigen::MatrixXd::Zero(n, found.factor.cols()));
   }
-  const Eigen::Index columns = found.factor.cols();
-  found.form.posture = posture;
-  const Eigen::Index n = found.form.terms();
-  found.x.conservativeResizeLike(Eigen::VectorXd::Zero(n));
-  found.factor.conservativeResizeLike(Eigen::MatrixXd::Zero(n, columns));
   Eigen::MatrixXd covariance = found.factor * found.factor.transpose();
-  add_deviation(covariance, found.form, kUnseenShare * found.scatter_m);
+  if (is_new) add_deviation(covariance, found.form, kUnseenShare * found.scatter_m);
   return {std::move(found), covariance};
 }
 
@@ -216,10 +214,11 @@ Lesson ArmLearner::take(const ArmLook& look, double t_s) {
   t_s_ = t_s;
   FoundArm& arm = learned_.arm;
   const Eigen::Matrix2Xd J = arm.form.jacobian(look.motors, arm.x).topRows<2>();
-  const Eigen::MatrixX2d with_sight =
-      learned_.covariance * J.transpose() + arm.factor * look.vision_rows.transpose();
-  const Eigen::Matrix2Xd vision_with_sight = J * arm.factor + look.vision_rows;
-  Eigen::Matrix2d sight = J * with_sight + look.vision_rows * vision_with_sight.transpose();
+  const Eigen::MatrixX2d with_sight = learned_.covariance.lazyProduct(J.transpose()) +
+                                      arm.factor.lazyProduct(look.vision_rows.transpose());
+  const Eigen::Matrix2Xd vision_with_sight = J.lazyProduct(arm.factor) + look.vision_rows;
+  Eigen::Matrix2d sight =
+      J.lazyProduct(with_sight) + look.vision_rows.lazyProduct(vision_with_sight.transpose());
   sight.diagonal().array() += look.sigma_m * look.sigma_m;
   const Eigen::Matrix2d weight = sight.inverse();
   const Eigen::Vector2d innovation = look.p - arm.form.tip(look.motors, arm.x).p;
@@ -230,9 +229,9 @@ Lesson ArmLearner::take(const ArmLook& look, double t_s) {
   if (beyond_caps(look.motors, x)) return Lesson::kBeyondCaps;
   arm.x = x;
   Eigen::MatrixXd& covariance = learned_.covariance;
-  covariance -= gain * with_sight.transpose();
+  covariance -= gain.lazyProduct(with_sight.transpose());
   covariance = 0.5 * (covariance + covariance.transpose()).eval();
-  arm.factor -= gain * vision_with_sight;
+  arm.factor -= gain.lazyProduct(vision_with_sight);
   ++lessons_;
   return Lesson::kTaken;
 }
@@ -246,7 +245,8 @@ bool ArmLearner::beyond_caps(const Eigen::Vector3d& motors, const Eigen::VectorX
   // Zeros and waves may stand in for one another where a motor turns by less than a whole turn.
   const Eigen::Array3d turns = with_waves(change.segment<3>(2), form, motors, change);
   if (turns.abs().maxCoeff() > kMostTurn) return true;
-  const Eigen::MatrixX2d deviation = kernel_ * change.tail(2 * m).reshaped(m, Eigen::Index{2});
+  const Eigen::MatrixX2d deviation =
+      kernel_.lazyProduct(change.tail(2 * m).reshaped(m, Eigen::Index{2}));
   return m > 0 && deviation.rowwise().norm().maxCoeff() > kMostDeviation_m;
 }
 
@@ -255,12 +255,13 @@ Eigen::Matrix4d ArmLearner::landing_covariance(const Eigen::Vector3d& motors,
                                                double t_s) const {
   const FoundArm& arm = learned_.arm;
   const Eigen::Matrix2Xd J = arm.form.jacobian(motors, arm.x).topRows<2>();
+  const Eigen::Matrix2Xd by_term = J.lazyProduct(learned_.covariance + hours_since(t_s) * drift_),
+                         by_number = J.lazyProduct(arm.factor);
   Eigen::Matrix4d covariance;
-  covariance.topLeftCorner<2, 2>() =
-      J * (learned_.covariance + hours_since(t_s) * drift_) * J.transpose();
-  covariance.topRightCorner<2, 2>() = J * arm.factor * vision_rows.transpose();
+  covariance.topLeftCorner<2, 2>() = by_term.lazyProduct(J.transpose());
+  covariance.topRightCorner<2, 2>() = by_number.lazyProduct(vision_rows.transpose());
   covariance.bottomLeftCorner<2, 2>() = covariance.topRightCorner<2, 2>().transpose();
-  covariance.bottomRightCorner<2, 2>() = vision_rows * vision_rows.transpose();
+  covariance.bottomRightCorner<2, 2>() = vision_rows.lazyProduct(vision_rows.transpose());
   return covariance;
 }
 

@@ -43,7 +43,7 @@ Eigen::Matrix3d normalisation(const Eigen::Matrix2Xd& points) {
 
 bool are_collinear(const Eigen::Matrix2Xd& points) {
   const Eigen::Matrix2Xd centred = points.colwise() - points.rowwise().mean();
-  const Eigen::Matrix2d scatter = centred * centred.transpose();
+  const Eigen::Matrix2d scatter = centred.lazyProduct(centred.transpose());
   const Eigen::Vector2d spread = symmetric_eigenvalues(scatter);
   return !(spread(0) > kLeastWidth * kLeastWidth * spread(1));
 }
@@ -62,9 +62,9 @@ std::optional<Eigen::Matrix3d> fit_affine(const Rows& rows) {
   const PointSets sets(rows);
   if (are_collinear(sets.p) || are_collinear(sets.uv)) return std::nullopt;
   const Eigen::Vector2d p_mean = sets.p.rowwise().mean(), uv_mean = sets.uv.rowwise().mean();
-  const Eigen::Matrix2Xd p = sets.p.colwise() - p_mean;
-  const Eigen::Matrix2d A =
-      (sets.uv.colwise() - uv_mean) * p.transpose() * (p * p.transpose()).inverse();
+  const Eigen::Matrix2Xd p = sets.p.colwise() - p_mean, uv = sets.uv.colwise() - uv_mean;
+  const Eigen::Matrix2d scatter = p.lazyProduct(p.transpose());
+  const Eigen::Matrix2d A = uv.lazyProduct(p.transpose()) * scatter.inverse();
   Eigen::Matrix3d H = Eigen::Matrix3d::Identity();
   H.topRows<2>() << A, uv_mean - A * p_mean;
   return H;
@@ -151,7 +151,7 @@ std::optional<Eigen::Matrix3d> fit_robust(const Rows& rows) {
   return H;
 }
 
-constexpr Eigen::Index kUnknowns = 4;  // p_TE and the mark
+constexpr int kUnknowns = 4;  // p_TE and the mark
 
 /// A solution for unit deviations.
 struct Solution {
@@ -162,15 +162,15 @@ struct Solution {
 
 std::optional<Solution> solve(const std::vector<TipAtMark>& poses) {
   const auto n = static_cast<Eigen::Index>(poses.size());
-  Eigen::MatrixXd A(2 * n, kUnknowns);
+  Eigen::Matrix<double, Eigen::Dynamic, kUnknowns> A(2 * n, kUnknowns);
   Eigen::VectorXd b(2 * n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const TipPose& pose = poses[i].pose;
     A.middleRows<2>(2 * i) << rotation2d(pose.phi), -Eigen::Matrix2d::Identity();
     b.segment<2>(2 * i) = -pose.p;
   }
-  const auto inverse =
-      solve_positive(A.transpose() * A, Eigen::MatrixXd::Identity(kUnknowns, kUnknowns), 1e-9);
+  const auto inverse = solve_positive(A.transpose().lazyProduct(A),
+                                      Eigen::MatrixXd::Identity(kUnknowns, kUnknowns), 1e-9);
   if (!inverse) return std::nullopt;
   const Eigen::Vector4d x = *inverse * (A.transpose() * b);
   return Solution{x, *inverse, b - A * x};

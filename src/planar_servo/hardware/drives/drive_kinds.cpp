@@ -113,11 +113,19 @@ std::string new_home(double mark_deg) {
       mark_deg);
 }
 
-void list_home(Fields& drive, MotorDrive& motor) {
+void list_home(Fields& drive, CellSettings& cell, std::size_t joint) {
+  MotorDrive& motor = cell.transmission.drives[joint];
+  const Eigen::Vector2d limits_deg = cell.transmission.limits_rad[joint] / kDegree;
   drive.map("home", [&] {
     drive.choice("reference", motor.home, kReferences);
-    if (motor.home != HomeReference::kSight || drive.given("at_deg", false))
-      drive.number("at_deg", motor.home_rad, kDegree);
+    const bool is_needed = motor.home != HomeReference::kSight || drive.given("at_deg", false);
+    if (!is_needed || !drive.number("at_deg", motor.home_rad, kDegree)) return;
+    const double at_deg = motor.home_rad / kDegree;
+    drive.check(std::max(limits_deg.x() - at_deg, at_deg - limits_deg.y()) <= 360.0,
+                {fmt::format("at_deg is {:g}, over a turn beyond joint_limits_deg [{:g}, {:g}]",
+                             at_deg, limits_deg.x(), limits_deg.y()),
+                 "write the motor's angle behind its gear there, in degrees"},
+                "at_deg");
   });
 }
 
@@ -175,7 +183,7 @@ void GrblKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const 
       drive.number("pulses_per_mm", details->pulses_per_mm, 1.0, Range::positive());
   if (has_baud && has_scale) check_line(drive, *details);
   cell.drives[joint].details = details;
-  list_home(drive, cell.transmission.drives[joint]);
+  list_home(drive, cell, joint);
   check_braking(drive, cell.transmission.drives[joint]);
   for (std::size_t i = 0; i < joint; ++i)
     if (cell.drives[i].kind == this) check_board(drive, cell, joint, i);
@@ -288,7 +296,7 @@ void TicKind::read(Fields& drive, CellSettings& cell, std::size_t joint) const {
   drive.number("command_timeout_ms", settings.command_timeout_s, kMillisecond,
                Range::from_to(kMinCommandTimeout_ms, kMaxCommandTimeout_ms));
   cell.drives[joint].details = details;
-  list_home(drive, cell.transmission.drives[joint]);
+  list_home(drive, cell, joint);
 }
 
 std::shared_ptr<DriveGroup> TicKind::open(const CellSettings& cell) const {

@@ -13,7 +13,7 @@
 namespace planar {
 
 /// Lists the key `home` of an item of `drives`: where a motor's position is counted from.
-void list_home(Fields& drive, MotorDrive& motor);
+void list_home(Fields& drive, CellSettings& cell, std::size_t joint);
 
 /// Returns that key, with comments, for a motor in a new cell file that is moved to a mark by hand.
 std::string new_home(double mark_deg);

@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "planar_servo/base/core/error.h"
+#include "planar_servo/base/core/text.h"
 
 namespace planar {
 namespace {
@@ -127,7 +128,7 @@ void ChildProgram::send(const std::string& line) {
 
 std::string ChildProgram::next_line(double patience_s) {
   const auto line = reader_->next(patience_s);
-  if (line && line->size() < LineReader::kLongest) return *line;
+  if (line && line->size() < LineReader::kLongest) return visible(*line);
   throw WorkError(line ? "its answer never ends"
                   : reader_->ended()
                       ? ending()
@@ -188,6 +189,7 @@ MachineState CommandLink::read() {
   state.on = motion != "off";
   state.moving = motion == "moving" || motion == "homing";
   state.homing = motion == "homing";
+  state.mover = fmt::format("it says '{}'", answer);
   if (!fault.empty()) state.faults.push_back(fault);
   here_ = state.counts;
   return state;

@@ -61,6 +61,7 @@ class CommandLink final : public MachineLink {
   void stop() override { ask("stop"); }
   void search_home(int joint, HomeDirection direction) override;
   MachineState read() override;
+  const char* starter() const override { return "what your program does on `move`"; }
 
   /// Returns what the program calls itself.
   const std::string& machine() const { return machine_; }

@@ -99,7 +99,7 @@ void CommandKind::read(Fields& drive, CellSettings& cell, std::size_t joint) con
                  Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
   program.folder = std::filesystem::absolute(cell.file).parent_path();
   cell.drives[joint].details = details;
-  list_home(drive, cell.transmission.drives[joint]);
+  list_home(drive, cell, joint);
   for (std::size_t i = 0; i < joint; ++i)
     if (cell.drives[i].kind == this)
       check_alike(
@@ -223,8 +223,13 @@ void ModbusKind::read(Fields& drive, CellSettings& cell, std::size_t joint) cons
                  Range::from_to(kLeastAnswer_ms, kMostAnswer_ms));
   drive.whole_number("address", details->address, kLowestAddress, kHighestAddress);
   drive.text("registers", details->registers);
+  try {
+    map_file(cell, details->registers);
+  } catch (const InputError& missing) {
+    drive.check(false, missing.refusal(), "registers");
+  }
   cell.drives[joint].details = details;
-  list_home(drive, cell.transmission.drives[joint]);
+  list_home(drive, cell, joint);
   for (std::size_t i = 0; i < joint; ++i)
     if (cell.drives[i].kind == this) check_line(drive, cell, joint, i);
 }
@@ -249,7 +254,7 @@ std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
     constexpr int kTelegrams = 100;
     while (link.errors().telegrams < kTelegrams) link.read();
     const LineErrors& errors = link.errors();
-    if (errors.garbled + errors.unanswered == 0)
+    if (errors.all() == 0)
       return well(
           fmt::format("{}: all three answer each of {} telegrams", name_of(line), errors.telegrams),
           state,
@@ -257,10 +262,8 @@ std::vector<Finding> ModbusKind::examine(const CellSettings& cell) const {
               ? "`move` writes no acceleration, so that joints leave the straight way: see "
                 "doc/modbus.md"
               : "");
-    return {{fmt::format("{}: of {} telegrams {} were garbled and {} not answered", name_of(line),
-                         errors.telegrams, errors.garbled, errors.unanswered),
-             "look at the line's resistors at both ends, its shield and ground", kDrives,
-             Cause::kDevice},
+    const Refusal refusal = errors.refusal();
+    return {{name_of(line) + ": " + refusal.fault, refusal.remedy, kDrives, refusal.cause},
             Finding::Verdict::kDoubtful};
   };
   return examine_link<ModbusLink>(line, "", "look it up in the driver's manual",
@@ -317,7 +320,7 @@ void LinuxcncKind::read(Fields& drive, CellSettings& cell, std::size_t joint) co
   drive.choice("axis", details->joint.axis, kLinuxcncAxes);
   drive.whole_number("joint", details->joint.number, 0, kMostJoint);
   cell.drives[joint].details = details;
-  list_home(drive, cell.transmission.drives[joint]);
+  list_home(drive, cell, joint);
   for (std::size_t i = 0; i < joint; ++i) {
     if (cell.drives[i].kind != this) continue;
     const LinuxcncDetails& other = details_of<LinuxcncDetails>(cell.drives[i]);

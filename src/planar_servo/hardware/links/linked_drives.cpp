@@ -162,7 +162,7 @@ void LinkedDrives::judge_rest() {
         "`enable` clears this",
         apart(state_.counts, from_) > in_position_
             ? ""
-            : "did not begin: look at what starts a move in the map, or in your program; it ",
+            : fmt::format("did not begin: look at {}; it ", link_->starter()),
         fmt::join(state_.counts, ", "), fmt::join(*goal_, ", "));
   goal_.reset();
 }
@@ -199,7 +199,7 @@ void LinkedDrives::brake_to_rest() {
   const auto begun = std::chrono::steady_clock::now();
   for (take(link_->read()); state_.moving; take(link_->read())) {
     if (std::chrono::steady_clock::now() - begun > patience)
-      throw WorkError(fmt::format("it still moves {:.0f} s after it was told to stop{}",
+      throw WorkError(fmt::format("it still moves {:.0f} s after it was told to stop: {}",
                                   patience.count(), state_.mover),
                       Cause::kDevice);
     std::this_thread::sleep_for(kBrakingPoll);

@@ -597,7 +597,9 @@ MachineState LinuxcncLink::read() {
   // Motors without current stand anywhere.
   if (was_on_ && !state.on) ++losses_;
   was_on_ = state.on;
-  const bool is_idle = reader_.says("program_status", "IDLE");
+  const std::string status = reader_.get("program_status");
+  const bool is_idle = status.find("IDLE") != std::string::npos;
+  state.mover = is_idle ? "its feedback still changes" : "its program_status is " + status;
   const bool is_there = target_ && (here_ - *target_).cwiseAbs().maxCoeff() <= kInPosition_counts;
   const bool may_begin =
       awaits_mover_ && !is_there && (!stopping_since_ || now - *stopping_since_ < kLostAnswer);

@@ -103,6 +103,7 @@ class LinuxcncLink final : public MachineLink {
   void stop() override;
   void search_home(int joint, HomeDirection direction) override;
   MachineState read() override;
+  const char* starter() const override { return "LinuxCNC's messages, limits and feed override"; }
 
   /// Says what could not be compared with the cell; empty when all was.
   const std::string& unchecked() const { return unchecked_; }

@@ -22,7 +22,7 @@ struct MachineState {
   std::vector<std::string> faults{};
   bool emergency{false};        ///< its emergency stop is pressed, also by its own start
   bool stopped_by_hand{false};  ///< a person or a safety circuit may have stopped it
-  std::string mover{};          ///< ": ", and what says that it moves; empty where that is clear
+  std::string mover{};          ///< what says that it moves
 };
 
 /// How long a straight move takes, and each of the two parts in which it speeds up and slows down.
@@ -64,6 +64,8 @@ class MachineLink {
   virtual void search_home(int joint, HomeDirection direction) = 0;
   /// Is called every few milliseconds while the machine moves.
   virtual MachineState read() = 0;
+  /// Returns what to look at where a move that was taken does not begin.
+  virtual const char* starter() const = 0;
 };
 
 }  // namespace planar

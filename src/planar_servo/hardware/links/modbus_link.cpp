@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "planar_servo/base/core/error.h"
 #include "planar_servo/hardware/drives/grbl_board.h"
@@ -16,6 +17,8 @@ namespace planar {
 namespace {
 
 constexpr int kTries = 3;
+/// So many errors are told at once, for they may spoil a move; fewer at the end.
+constexpr int kWorthAWord = 10;
 /// A driver that was started says that it moves by then; one that searches does not rest for longer
 /// between two ways.
 constexpr std::chrono::milliseconds kBeginning{100};
@@ -37,8 +40,7 @@ bool shows_order(long position) {
 }
 
 bool is_garbled(int error) {
-  return error == EMBBADCRC || error == EMBBADDATA || error == EMBBADSLAVE || error == EMBBADEXC ||
-         error == EMBMDATA;
+  return error == EMBBADCRC || error == EMBBADDATA || error == EMBBADEXC || error == EMBMDATA;
 }
 
 /// Whether a driver has understood what it is told, and will not do it another time either.
@@ -46,11 +48,14 @@ bool is_refusal(int error) {
   return error == EMBXILFUN || error == EMBXILADD || error == EMBXILVAL || error == EMBXSFAIL;
 }
 
+constexpr char kUnplugMaster[] = "another master may be on the line; unplug it";
+constexpr char kTellApart[] =
+    "two drivers may have one address, or parity, stop bits or the line's ends be wrong";
+
 const char* remedy_for(int error) {
   if (error == ETIMEDOUT) return "look at address, baud, parity, power, and the two wires";
-  if (error == EMBBADSLAVE) return "another master may be on the line; unplug it";
-  if (is_garbled(error))
-    return "two drivers may have one address, or parity, stop bits or the line's ends be wrong";
+  if (error == EMBBADSLAVE) return kUnplugMaster;
+  if (is_garbled(error)) return kTellApart;
   if (error == EMBXILVAL) return "compare the range with its manual, or the register with the map";
   if (is_refusal(error))
     return "the registers may be those of another driver; compare the map with its manual";
@@ -65,6 +70,18 @@ void close_modbus(modbus_t* context) {
 }
 
 }  // namespace
+
+Refusal LineErrors::refusal() const {
+  std::vector<std::string> remedies;
+  if (garbled > 0) remedies.push_back(std::string("garbled: ") + kTellApart);
+  if (foreign > 0) remedies.push_back(std::string("from another address: ") + kUnplugMaster);
+  if (garbled + unanswered > 0)
+    remedies.emplace_back("look at the line's resistors at both ends, its shield and ground");
+  return {fmt::format("of {} telegrams {} were garbled, {} answered from another address and {} "
+                      "not answered",
+                      telegrams, garbled, foreign, unanswered),
+          fmt::format("{}", fmt::join(remedies, "; ")), "", Cause::kDevice};
+}
 
 ModbusLink::ModbusLink(const ModbusLine& line)
     : line_(line),
@@ -88,9 +105,11 @@ ModbusLink::ModbusLink(const ModbusLine& line)
 ModbusLink::~ModbusLink() {
   // Nobody acknowledges a broadcast.
   for (int i = 0; may_move_ && i < (line_.map.start ? kTries : 1); ++i) stop_all_that_hear();
-  if (errors_.garbled + errors_.unanswered > 0)
-    spdlog::warn(fmt::format("{}: of {} telegrams {} were garbled and {} not answered", line_.port,
-                             errors_.telegrams, errors_.garbled, errors_.unanswered));
+  if (errors_.all() > 0) tell_errors_once();
+}
+
+void ModbusLink::tell_errors_once() {
+  if (!std::exchange(told_errors_, true)) spdlog::warn(errors_.refusal().at(line_.port).text());
 }
 
 std::string ModbusLink::name(std::size_t motor) const {
@@ -107,7 +126,9 @@ void ModbusLink::exchange(std::size_t motor, const std::string& what, const Exch
     if (i > 0 && (error == 0 || is_refusal(error))) drop_late_answers();
     if (error == 0) return;
     errors_.garbled += is_garbled(error) ? 1 : 0;
+    errors_.foreign += error == EMBBADSLAVE ? 1 : 0;
     errors_.unanswered += error == ETIMEDOUT ? 1 : 0;
+    if (errors_.all() >= kWorthAWord) tell_errors_once();
     modbus_flush(context_.get());
   }
   const Refusal failure{
@@ -210,7 +231,7 @@ void ModbusLink::stop_all_that_hear() {
 }
 
 void ModbusLink::switch_on() {
-  unfound_.clear();
+  failure_.clear();
   for (std::size_t i = 0; i < 3; ++i) write(i, line_.map.switch_on, {}, "switch on");
 }
 
@@ -273,7 +294,7 @@ void ModbusLink::search_home(int joint, HomeDirection direction) {
                      "add home_reverse or home_forward to it, or name home: {reference: taught}",
                      "", Cause::kMissing});
   may_move_ = true;
-  unfound_.clear();
+  failure_.clear();
   write(joint, writes, {}, "search its home switch");
   search_ = Search{static_cast<std::size_t>(joint)};
   started_ = Clock::now();
@@ -289,7 +310,7 @@ void ModbusLink::watch_search(long status) {
 
 void ModbusLink::end_search() {
   if (!search_->is_found)
-    unfound_ = fmt::format("{} has not found its home switch: it {}; `enable` clears this",
+    failure_ = fmt::format("{} has not found its home switch: it {}; `enable` clears this",
                            name(search_->driver),
                            search_->has_moved ? "gave up" : "did not begin to move");
   search_.reset();
@@ -305,7 +326,7 @@ MachineState ModbusLink::read() {
     state.counts[i] = static_cast<int>(read_value(i, map.position, "position"));
     state.moving = state.moving || map.moving.in(status);
     if (map.moving.in(status))
-      state.mover = fmt::format(": {} says so by bit {} of its status, {:#06x}", name(i),
+      state.mover = fmt::format("{} says so by bit {} of its status, {:#06x}", name(i),
                                 map.moving.bit, status);
     // A late answer may tell of the status before the move.
     if (map.moving.in(status) || state.counts[i] != here_[i]) turned_[i] = Clock::now();
@@ -328,7 +349,7 @@ MachineState ModbusLink::read() {
   if (target_ && state.counts != *target_ && begins && state.faults.empty()) state.moving = true;
   if (search_ && begins && state.faults.empty()) state.moving = true;
   if (search_ && !state.moving) end_search();
-  if (!unfound_.empty()) state.faults.push_back(unfound_);
+  if (!failure_.empty()) state.faults.push_back(failure_);
   state.homing = search_.has_value();
   here_ = state.counts;
   if (proof_) {
@@ -404,7 +425,12 @@ void ModbusLink::follow_proof(const MachineState& state) {
   proven_ = is_near && shows_order(made) && may_go;
   if (proven_) {
     proof_.reset();
-    return go_to(then, limits);
+    try {
+      go_to(then, limits);
+    } catch (const MachineRefusal& error) {
+      failure_ = fmt::format("{}; `enable` clears this", error.what());
+    }
+    return;
   }
   if (is_near && since < kPatience) return;
   stop();

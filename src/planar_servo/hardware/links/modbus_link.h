@@ -30,7 +30,12 @@ struct ModbusLine {
 struct LineErrors {
   int telegrams{0};
   int garbled{0};  ///< with a wrong checksum, or not those that were asked for
+  int foreign{0};  ///< from another address than was asked
   int unanswered{0};
+
+  int all() const { return garbled + foreign + unanswered; }
+  /// Returns the counts, with a remedy for each sort that there is.
+  Refusal refusal() const;
 };
 
 /// Stepper drivers that speak Modbus RTU, by their registers. Each of them moves by itself; where
@@ -53,8 +58,9 @@ class ModbusLink final : public MachineLink {
   /// Tells every driver, whatever another one answers.
   void stop() override;
   void search_home(int joint, HomeDirection direction) override;
-  /// A search that ends without having found the switch is a fault until switch_on().
+  /// A search without its switch, or a move refused only now, is a fault until switch_on().
   MachineState read() override;
+  const char* starter() const override { return "`move` and `start` of its map"; }
 
   const LineErrors& errors() const { return errors_; }
 
@@ -82,6 +88,7 @@ class ModbusLink final : public MachineLink {
   template <typename Exchange>
   void exchange(std::size_t motor, const std::string& what, const Exchange& act);
   void drop_late_answers();
+  void tell_errors_once();
   long read_value(std::size_t motor, const RegisterRead& from, const char* what);
   /// Returns what libmodbus does: less than 0 where no answer came.
   int write_words(int address, const std::vector<std::uint16_t>& words);
@@ -103,11 +110,12 @@ class ModbusLink final : public MachineLink {
   ModbusLine line_;
   std::unique_ptr<modbus_t, void (*)(modbus_t*)> context_;
   LineErrors errors_;
+  bool told_errors_{false};
   bool proven_{false};    ///< positions have shown the order of words
   bool may_move_{false};  ///< from the first telegram that moves a driver until a rest was seen
   std::optional<Search> search_;
   std::optional<Proof> proof_;
-  std::string unfound_;  ///< how the last search failed
+  std::string failure_;  ///< of the last search, or of the move that waited for a proof
   Pulses here_{0, 0, 0};
   std::optional<Pulses> target_;               ///< of a move that may not have begun yet
   Clock::time_point started_;                  ///< the last move, or the last motion of a search

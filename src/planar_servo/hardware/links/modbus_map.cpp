@@ -296,8 +296,13 @@ ModbusMap read_modbus_map(const std::filesystem::path& path) {
   read_rate(file, "speed", map.speed, kSpeeds);
   if (!map.values_of(What::kAcceleration).empty() || file.given("acceleration"))
     read_rate(file, "acceleration", map.acceleration, kAccelerations);
-  if (file.given("longest_ramp"))
+  if (file.given("longest_ramp")) {
     file.whole_number("longest_ramp", map.longest_ramp, 1, static_cast<int>(kHighestWord));
+    file.check(map.acceleration.unit == ModbusAcceleration::kMsPer1000Rpm,
+               {"longest_ramp limits nothing, for acceleration is not in ms_per_1000_rpm",
+                "leave it out, or correct acceleration", "", Cause::kContradiction},
+               "longest_ramp");
+  }
   check_whole(file, map);
   file.throw_if_faulty();
   return map;

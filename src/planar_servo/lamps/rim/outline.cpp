@@ -1,11 +1,11 @@
 #include "planar_servo/lamps/rim/outline.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/statistics.h"
 #include "planar_servo/base/core/units.h"
 
@@ -98,26 +98,25 @@ PerNormal Normals::waves(const Outline& outline) const {
 namespace {
 
 constexpr int kShape = Outline::kShapeTerms, kWaves = Outline::kWaveTerms;
-using Square = Eigen::Matrix<double, Outline::kTerms, Outline::kTerms>;
 
 template <int Terms>
 OutlineFit fit_terms(const Normals& normals, const PerNormal& offset_px,
                      const PerNormal& information, double wave_variance_px2) {
   using Column = Eigen::Matrix<double, Terms, 1>;
-  using Normal = Eigen::Matrix<double, Terms, Terms>;
-  Normal normal = Normal::Zero();
-  Column right = Column::Zero();
+  Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
+  Eigen::Matrix<double, Terms, Terms + 1> right;  // of the terms, then of their covariance
+  right << Column::Zero(), Eigen::Matrix<double, Terms, Terms>::Identity();
   for (int k = 0; k < normals.count(); ++k) {
     const Column move = normals.move.col(k).head<Terms>();
     const Column weighted = information[k] * move;
     normal.noalias() += weighted * move.transpose();
-    right += offset_px[k] * weighted;
+    right.col(0) += offset_px[k] * weighted;
   }
   if (Terms > kShape) normal.diagonal().tail(Terms - kShape).array() += 1.0 / wave_variance_px2;
-  const Eigen::LLT<Normal> solver(normal);
+  solve_positive_in_place(normal, right);
   OutlineFit fit;
-  fit.terms.head<Terms>() = solver.solve(right);
-  fit.covariance.topLeftCorner<Terms, Terms>() = solver.solve(Normal::Identity());
+  fit.terms.head<Terms>() = right.col(0);
+  fit.covariance.topLeftCorner<Terms, Terms>() = right.template rightCols<Terms>();
   fit.has_waves = Terms > kShape;
   return fit;
 }
@@ -167,18 +166,17 @@ ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
   constexpr int kStarts = 32;
   constexpr double kArc = 0.27;
   const int n = normals.count(), arc = static_cast<int>(kArc * n);
-  PerNormal kept = information;
-  kept.head(arc).setZero();
-  Square normal = normals.move * kept.asDiagonal() * normals.move.transpose();
-  normal.diagonal().tail<kWaves>().array() += 1.0 / wave_variance_px2;
-  Outline::Terms right = normals.move * kept.cwiseProduct(offset_px);
-  double squares = kept.dot(offset_px.cwiseAbs2());
+  auto normal = decltype(OutlineFit::covariance)::Zero().eval();
+  normal.diagonal().tail<kWaves>().setConstant(1.0 / wave_variance_px2);
+  Outline::Terms right = Outline::Terms::Zero();
+  double squares = 0.0;
   const auto add = [&](int k, double weight) {
     const Outline::Terms move = normals.move.col(k);
     normal.noalias() += weight * move * move.transpose();
     right += weight * offset_px[k] * move;
     squares += weight * offset_px[k] * offset_px[k];
   };
+  for (int k = arc; k < n; ++k) add(k, information[k]);
   ArcFit best;
   double least = 0.0;
   int first = 0, best_first = 0;
@@ -187,7 +185,9 @@ ArcFit fit_without_arc(const Normals& normals, const PerNormal& offset_px,
       add(first, information[first]);
       add((first + arc) % n, -information[(first + arc) % n]);
     }
-    const Outline::Terms x = normal.llt().solve(right);
+    auto factor = normal;
+    Outline::Terms x = right;
+    solve_positive_in_place(factor, x);
     const double cost = squares - x.dot(right);
     if (start > 0 && cost >= least) continue;
     least = cost;

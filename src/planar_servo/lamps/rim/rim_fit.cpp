@@ -1,6 +1,5 @@
 #include "planar_servo/lamps/rim/rim_fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/lamps/rim/outline.h"
 
@@ -166,8 +166,8 @@ Eigen::Matrix2d center_covariance(const OutlineFit& fit, const Normals& normals,
           (edges.moved_by_level(kind, k) * per_offset) * normals.harmonics.col(k).transpose();
     }
   }
-  return fit.covariance.topLeftCorner<2, 2>() +
-         per_level * edges.levels.covariance * per_level.transpose();
+  const decltype(per_level) weighted = per_level.lazyProduct(edges.levels.covariance);
+  return fit.covariance.topLeftCorner<2, 2>() + weighted.lazyProduct(per_level.transpose());
 }
 
 /// Returns the covariance that the ends of what was left out add, because they may be mistaken for
@@ -382,15 +382,8 @@ constexpr int kUnknowns = 6;
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
-Unknowns unknowns(double dark, double bright, double dark_slope, double bright_slope, double offset,
-                  double blur) {
-  Unknowns x;
-  x << dark, bright, dark_slope, bright_slope, offset, blur;
-  return x;
-}
-
 Unknowns unknowns(const EdgeProfile& p) {
-  return unknowns(p.dark, p.bright, p.dark_slope, p.bright_slope, p.offset_px, p.blur_px);
+  return {p.dark, p.bright, p.dark_slope, p.bright_slope, p.offset_px, p.blur_px};
 }
 
 /// Fits the profile to levels at distances, from `start`. A weight is the inverse variance of a
@@ -403,8 +396,8 @@ EdgeProfile fit_edge_profile(const RimBand::Places& distance_px, const RimBand::
   // These are the standard deviations of the prior.
   constexpr double kOffset_px = 1.0, kBlur_px = 0.5, kSlope = 0.05;
   const double contrast = start.bright - start.dark;
-  const Unknowns sigma =
-      unknowns(contrast, contrast, kSlope * contrast, kSlope * contrast, kOffset_px, kBlur_px);
+  const Unknowns sigma(contrast, contrast, kSlope * contrast, kSlope * contrast, kOffset_px,
+                       kBlur_px);
   const Unknowns expected = unknowns(start);
   EdgeProfile profile = start;
   for (int i = 0; i < kSteps; ++i) {
@@ -417,13 +410,13 @@ EdgeProfile fit_edge_profile(const RimBand::Places& distance_px, const RimBand::
       const double dark = profile.dark + profile.dark_slope * d;
       const double step = profile.bright + profile.bright_slope * d - dark;
       const double slope = step * edge.density / profile.blur_px;
-      const Unknowns row =
-          unknowns(1.0 - edge.share, edge.share, d * (1.0 - edge.share), d * edge.share, slope,
-                   slope * (d - profile.offset_px) / profile.blur_px);
+      const Unknowns row(1.0 - edge.share, edge.share, d * (1.0 - edge.share), d * edge.share,
+                         slope, slope * (d - profile.offset_px) / profile.blur_px);
       information.noalias() += weight[j] * row * row.transpose();
       right += weight[j] * (level[j] - dark - step * edge.share) * row;
     }
-    const Unknowns x = unknowns(profile) + information.llt().solve(right);
+    solve_positive_in_place(information, right);
+    const Unknowns x = unknowns(profile) + right;
     profile = {x[0], x[1], x[2], x[3], x[4], std::clamp(x[5], kLeastBlur_px, kMostBlur_px)};
   }
   return profile;
@@ -434,8 +427,7 @@ enum Kind { kDark, kBright, kDarkSlope, kBrightSlope };
 using Kinds = Eigen::Matrix<double, kKinds, 1>;
 using KindSquare = Eigen::Matrix<double, kKinds, kKinds>;
 using HarmonicSquare = Eigen::Matrix<double, kHarmonics, kHarmonics>;
-using Templates = Eigen::Matrix<double, kKinds + 1, RimBand::kPlaces>;
-/// Templates in single precision, padded to whole SIMD registers.
+/// Templates of all places in single precision, padded to whole SIMD registers.
 using WideTemplates = Eigen::Matrix<float, 8, RimBand::kPlaces>;
 
 /// The mean profile of all normals, which each of them is compared with.
@@ -508,7 +500,7 @@ struct Products {
 
 Products products(const RimBand& band, const CommonProfile& common) {
   const EdgeProfile& profile = common.profile;
-  Templates shapes;
+  Eigen::Matrix<double, kKinds + 1, kKinds + 1> square = decltype(square)::Zero();
   WideTemplates weighted = WideTemplates::Zero();
   Eigen::Matrix<float, RimBand::kPlaces, 1> bend;  // change of a level by a unit of blur
   for (int j = 0; j < RimBand::kPlaces; ++j) {
@@ -516,13 +508,13 @@ Products products(const RimBand& band, const CommonProfile& common) {
     const EdgeShape edge = profile.shape(d);
     const double slope = edge.density / profile.blur_px;
     const double inner_slope = common.is_clipped ? 0.0 : d * edge.share;
-    shapes.col(j) << 1.0 - edge.share, edge.share, d * (1.0 - edge.share), inner_slope, slope;
-    weighted.col(j).head<kKinds + 1>() = (common.weight[j] * shapes.col(j)).cast<float>();
+    const Eigen::Matrix<double, kKinds + 1, 1> shape(1.0 - edge.share, edge.share,
+                                                     d * (1.0 - edge.share), inner_slope, slope);
+    weighted.col(j).head<kKinds + 1>() = (common.weight[j] * shape).cast<float>();
+    square.noalias() += common.weight[j] * shape * shape.transpose();
     bend[j] = static_cast<float>(0.5 * (profile.bright - profile.dark) * slope *
                                  (d - profile.offset_px) / (profile.blur_px * profile.blur_px));
   }
-  const Eigen::Matrix<double, kKinds + 1, kKinds + 1> square =
-      shapes * common.weight.asDiagonal() * shapes.transpose();
   Products p;
   p.offset_information = square(kKinds, kKinds);
   const Kinds mixed = square.topRightCorner<kKinds, 1>();
@@ -555,38 +547,32 @@ using KindFlags = std::array<bool, kKinds>;
 
 /// Solves with the constant of every kind, and with the harmonics of those kinds only that vary.
 RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
-  using LevelSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                    RimLevels::kTerms, RimLevels::kTerms>;
-  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, RimLevels::kTerms, 1>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                               RimLevels::kTerms, RimLevels::kTerms + 1>;
   struct Term {
     int kind, harmonic;
   };
   std::array<Term, RimLevels::kTerms> terms;
-  std::size_t n = 0;
+  Eigen::Index n = 0;
   for (int kind = 0; kind < kKinds; ++kind) {
     const int harmonics = varies[static_cast<std::size_t>(kind)] ? kHarmonics : 1;
     for (int h = 0; h < harmonics; ++h) terms[n++] = {kind, h};
   }
-  const auto size = static_cast<Eigen::Index>(n);
-  LevelSquare normal(size, size);
-  Column right(size);
-  for (std::size_t i = 0; i < n; ++i) {
-    right[static_cast<Eigen::Index>(i)] = equations.right(terms[i].kind, terms[i].harmonic);
-    for (std::size_t j = 0; j < n; ++j)
-      normal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          equations.kinds(terms[i].kind, terms[j].kind) *
-          equations.harmonics(terms[i].harmonic, terms[j].harmonic);
+  Square normal(n, n), solution(n, n + 1);  // of the levels, then of their covariance
+  solution.rightCols(n).setIdentity();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    solution(i, 0) = equations.right(terms[i].kind, terms[i].harmonic);
+    for (Eigen::Index j = 0; j < n; ++j)
+      normal(i, j) = equations.kinds(terms[i].kind, terms[j].kind) *
+                     equations.harmonics(terms[i].harmonic, terms[j].harmonic);
   }
-  const Eigen::LLT<LevelSquare> solver(normal);
-  const Column x = solver.solve(right);
-  const LevelSquare inverse = solver.solve(LevelSquare::Identity(size, size));
+  solve_positive_in_place(normal, solution);
   RimLevels levels{decltype(RimLevels::harmonics)::Zero(), decltype(RimLevels::covariance)::Zero()};
   const auto place = [](const Term& term) { return term.kind * kHarmonics + term.harmonic; };
-  for (std::size_t i = 0; i < n; ++i) {
-    levels.harmonics(terms[i].kind, terms[i].harmonic) = x[static_cast<Eigen::Index>(i)];
-    for (std::size_t j = 0; j < n; ++j)
-      levels.covariance(place(terms[i]), place(terms[j])) =
-          inverse(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    levels.harmonics(terms[i].kind, terms[i].harmonic) = solution(i, 0);
+    for (Eigen::Index j = 0; j < n; ++j)
+      levels.covariance(place(terms[i]), place(terms[j])) = solution(i, j + 1);
   }
   return levels;
 }
@@ -596,22 +582,19 @@ RimLevels solve(const LevelEquations& equations, const KindFlags& varies) {
 KindFlags significant_kinds(const LevelEquations& equations, bool is_clipped) {
   constexpr int kWaving = kHarmonics - 1;
   constexpr double kSigmas = 3.0;
-  const KindSquare kinds = equations.kinds.inverse();
-  const HarmonicSquare harmonics = equations.harmonics.inverse();
+  const KindSquare kinds = inverse_of_positive(equations.kinds);
+  const HarmonicSquare harmonics = inverse_of_positive(equations.harmonics);
   const Eigen::Matrix<double, kKinds, kWaving> x =
       (kinds * equations.right * harmonics).rightCols<kWaving>();
   const Eigen::Matrix<double, kWaving, kWaving> precision =
-      harmonics.bottomRightCorner<kWaving, kWaving>().inverse();
+      inverse_of_positive<kWaving>(harmonics.bottomRightCorner<kWaving, kWaving>());
   const KindSquare scatter = x * precision * x.transpose();
   const auto limit = [](int freedom) { return freedom + kSigmas * std::sqrt(2.0 * freedom); };
   KindFlags varies{};
   for (const auto& [level, slope] : {std::pair{kDark, kDarkSlope}, {kBright, kBrightSlope}}) {
     if (level == kBright && is_clipped) continue;
-    Eigen::Matrix2d covariance, side;
-    covariance << kinds(level, level), kinds(level, slope), kinds(slope, level),
-        kinds(slope, slope);
-    side << scatter(level, level), scatter(level, slope), scatter(slope, level),
-        scatter(slope, slope);
+    const std::array<int, 2> both{level, slope};
+    const Eigen::Matrix2d covariance = kinds(both, both), side = scatter(both, both);
     if (covariance.inverse().cwiseProduct(side).sum() < limit(2 * kWaving)) continue;
     varies[level] = true;
     varies[slope] = scatter(slope, slope) / kinds(slope, slope) > limit(kWaving);

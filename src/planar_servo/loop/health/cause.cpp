@@ -29,6 +29,15 @@ constexpr char kSweepAgain[] =
 constexpr char kHome[] = "home the drive with planar-jog";
 constexpr char kTighten[] = "look at the gear, its coupling and the bolts of the joint";
 constexpr char kDrives[] = "correct `drives` in the cell file, then record and calibrate again";
+constexpr char kExchange12[] =
+    "exchange `serial`, `address`, or `axis` (and LinuxCNC's `joint`) of drives[0] and drives[1] "
+    "in the cell file, with a motion program the order of its counts";
+constexpr char kExchange13[] =
+    "exchange `serial`, `address`, or `axis` (and LinuxCNC's `joint`) of drives[0] and drives[2] "
+    "in the cell file, with a motion program the order of its counts";
+constexpr char kExchange23[] =
+    "exchange `serial`, `address`, or `axis` (and LinuxCNC's `joint`) of drives[1] and drives[2] "
+    "in the cell file, with a motion program the order of its counts";
 constexpr char kUneven[] =
     "look for an eccentric reducer, coupling or pulley; if none is, correct `drives` in the cell "
     "file, then record and calibrate again";
@@ -53,6 +62,9 @@ constexpr Advice kAdvice[] = {
     {HealthCause::kDirection1, "the direction of joint 1 is reversed", kDrives},
     {HealthCause::kDirection2, "the direction of joint 2 is reversed", kDrives},
     {HealthCause::kDirection3, "the direction of joint 3 is reversed", kDrives},
+    {HealthCause::kExchanged12, "the drives of joints 1 and 2 are exchanged", kExchange12},
+    {HealthCause::kExchanged13, "the drives of joints 1 and 3 are exchanged", kExchange13},
+    {HealthCause::kExchanged23, "the drives of joints 2 and 3 are exchanged", kExchange23},
     {HealthCause::kGear1, "the gear ratio of joint 1 is wrong", kDrives},
     {HealthCause::kGear2, "the gear ratio of joint 2 is wrong", kDrives},
     {HealthCause::kGear3, "the gear ratio of joint 3 is wrong", kDrives},
@@ -147,10 +159,10 @@ Eigen::Vector2d pictured(const CellModel& model, const Numbers& off, const Eigen
 }  // namespace
 
 LampPlaces lamps_seen(const CellModel& model, const Eigen::Vector3d& motors, const Numbers& off) {
-  const Eigen::Vector3d gears =
-      model.gears.cwiseProduct((off.segment<3>(kGearOff).array() + 1.0).matrix());
-  const Eigen::Vector3d turned =
-      model.home + gears.cwiseProduct(motors - model.home) + model.zeros + off.segment<3>(kZeroOff);
+  const Eigen::Vector3d shares = (off.segment<3>(kGearOff).array() + 1.0).matrix();
+  const Eigen::Vector3d turned = model.home +
+                                 shares.cwiseProduct(model.gears * (motors - model.home)) +
+                                 model.zeros + off.segment<3>(kZeroOff);
   const Eigen::Vector3d directions = model.sense * (model.coupling.inverse() * turned);
   const Eigen::Vector2d links_m = model.links_m + off.segment<2>(kLinkOff);
   const Eigen::Vector2d tip =

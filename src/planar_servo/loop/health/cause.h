@@ -35,10 +35,12 @@ struct CellModel {
   Eigen::Matrix3d coupling{Eigen::Matrix3d::Identity()};  ///< C of transmission.h
   Eigen::Vector3d home{0.0, 0.0, 0.0};   ///< the motors' angles at their marks or switches
   Eigen::Vector3d zeros{0.0, 0.0, 0.0};  ///< added to the motors' angles
-  Eigen::Vector3d gears{1.0, 1.0, 1.0};  ///< true angle per commanded angle from home
-  LampPlaces lamps_T;                    ///< the lamps in the tool's frame
-  Eigen::Vector2d axis_B{0.0, 0.0};      ///< where the camera's optical axis meets the plane
-  bool mirrored{false};                  ///< the picture, left to right
+  /// The true angle of each motor (row) per commanded angle of each one (column), from home.
+  Eigen::Matrix3d gears{Eigen::Matrix3d::Identity()};
+  Eigen::Vector3d pulses_per_rad{1.0, 1.0, 1.0};  ///< of each motor's drive, signed
+  LampPlaces lamps_T;                             ///< the lamps in the tool's frame
+  Eigen::Vector2d axis_B{0.0, 0.0};  ///< where the camera's optical axis meets the plane
+  bool mirrored{false};              ///< the picture, left to right
 };
 
 /// Returns where the lamps are seen with the motors commanded to these angles (radians, behind
@@ -64,6 +66,9 @@ enum class HealthCause {
   kDirection1,
   kDirection2,
   kDirection3,
+  kExchanged12,  ///< one motor turns where the other is told to
+  kExchanged13,
+  kExchanged23,
   kGear1,
   kGear2,
   kGear3,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "planar_servo/base/core/decompositions.h"
 #include "planar_servo/base/core/pose.h"
@@ -79,7 +80,7 @@ ArmFit fit_numbers(const CellModel& model, const std::vector<ArmSight>& sights,
       shifted[k] += kStep;
       J.col(k) = (arm_residuals(model, sights, shifted, sigma) - r) / kStep;
     }
-    Numbers delta = solve_symmetric(J.transpose() * J, -J.transpose() * r);
+    Numbers delta = solve_symmetric(J.transpose().lazyProduct(J), -J.transpose() * r);
     ArmFit next = best;
     for (int halving = 0; halving < 8; ++halving, delta *= 0.5) {
       next.off = best.off + delta;
@@ -147,9 +148,25 @@ void add_changed_kinds(const CellModel& as_filed, const ArmSight& first,
     all.push_back({nullptr, cause, as_filed});
     return all.back().model;
   };
-  constexpr HealthCause kDirections[] = {HealthCause::kDirection1, HealthCause::kDirection2,
-                                         HealthCause::kDirection3};
-  for (int motor = 0; motor < 3; ++motor) suppose(kDirections[motor]).gears[motor] = -1.0;
+  // Positions count from home, or from where the arm was homed by sight.
+  for (const Eigen::Vector3d& origin : {as_filed.home, first.motors}) {
+    const auto suppose_turns = [&](HealthCause cause) -> Eigen::Matrix3d& {
+      CellModel& model = suppose(cause);
+      model.home = origin;
+      return model.gears;
+    };
+    constexpr HealthCause kDirections[] = {HealthCause::kDirection1, HealthCause::kDirection2,
+                                           HealthCause::kDirection3};
+    for (int motor = 0; motor < 3; ++motor) suppose_turns(kDirections[motor])(motor, motor) = -1.0;
+    for (const auto& [cause, a, b] :
+         {std::tuple(HealthCause::kExchanged12, 0, 1), std::tuple(HealthCause::kExchanged13, 0, 2),
+          std::tuple(HealthCause::kExchanged23, 1, 2)}) {
+      Eigen::Matrix3d& gears = suppose_turns(cause);
+      gears(a, a) = gears(b, b) = 0.0;
+      gears(a, b) = as_filed.pulses_per_rad[b] / as_filed.pulses_per_rad[a];
+      gears(b, a) = 1.0 / gears(a, b);
+    }
+  }
   for (const int motor : {1, 2}) {
     double& rides = suppose(motor == 1 ? HealthCause::kCoupling2 : HealthCause::kCoupling3)
                         .coupling(motor, motor - 1);
@@ -291,7 +308,7 @@ struct Whitened {
         covariance(at + k, at + (k + 2) % kCoordinates) += scattered;  // the other lamp's
       }
     }
-    covariance += shift * shift.transpose();
+    covariance += shift.lazyProduct(shift.transpose());
     const Eigen::MatrixXd L = lower_factor(covariance).value();
     J = solve_lower(L, std::move(J));
     d = solve_lower(L, d);
@@ -378,7 +395,8 @@ std::vector<HealthFinding> find_arm_faults(const CellModel& as_filed,
   const double as_good = best.fit.chi2 + std::max(kAsLikely, kLittleLeft * (sound - best.fit.chi2));
   const auto second =
       std::find_if(explanations.begin() + 1, explanations.end(), [&](const Supposition& other) {
-        return other.freed() == best.freed() && other.fit.chi2 < as_good;
+        return other.cause != best.cause && other.freed() == best.freed() &&
+               other.fit.chi2 < as_good;
       });
   if (second != explanations.end()) found.push_back(finding_of(*second, as_filed, cost_m));
   return found;

@@ -98,10 +98,6 @@ void LandingFilter::take(const LandingLook& look) {
   has_looked_ = true;
 }
 
-PlaneEstimate LandingFilter::persistent_error() const {
-  return {mean_.head<2>(), covariance_.topLeftCorner<2, 2>()};
-}
-
 double LandingFilter::revealed_m(const LandingLook& next) const {
   const Eigen::Matrix4d covariance = covariance_at(next.p_c);
   const Eigen::Matrix2d cross = landing_with_sight(covariance, next);

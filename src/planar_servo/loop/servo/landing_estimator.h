@@ -116,8 +116,6 @@ class LandingFilter {
   void take(const LandingLook& look);
   /// Returns where the last look's stop landed. Valid after the first look.
   const PlaneEstimate& landing() const { return landing_; }
-  /// Returns d.
-  PlaneEstimate persistent_error() const;
   /// Returns the place to command so that the next stop is expected to land at the target.
   Eigen::Vector2d next_command(const Eigen::Vector2d& p_d) const { return p_d - mean_.head<2>(); }
   /// Returns by how much the places that further looks will predict scatter about the target: what

@@ -42,7 +42,7 @@ FollowingError::FollowingError(FoundArm found)
 FollowingError::Look FollowingError::look_at(const ArmLook& look, double t_s) const {
   const Eigen::Matrix2Xd J = found_.form.jacobian(look.motors, found_.x).topRows<2>();
   Eigen::Matrix2Xd rows(2, found_.factor.cols() + warmth_.cols() + 2);
-  rows << J * found_.factor + look.vision_rows, J * warmth_,
+  rows << J.lazyProduct(found_.factor) + look.vision_rows, J.lazyProduct(warmth_),
       found_.wander_m * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d p = found_.tip(look.motors).p;
   return {t_s, p, look.p - p, std::move(rows), look.sigma_m};
@@ -55,7 +55,7 @@ void FollowingError::take(const ArmLook& look, double t_s) {
 
 bool FollowingError::explains(const ArmLook& look) const {
   const Look at = look_at(look, 0.0);
-  Eigen::Matrix2d covariance = at.rows * at.rows.transpose();
+  Eigen::Matrix2d covariance = at.rows.lazyProduct(at.rows.transpose());
   covariance.diagonal().array() += at.sigma_m * at.sigma_m;
   return std::exp(-0.5 * at.off.dot(covariance.inverse() * at.off)) > kFalseAlarm;
 }
@@ -133,7 +133,7 @@ FoundLandings::FoundLandings(LampField field, FoundArm arm, const Transmission& 
 
 Eigen::Matrix2Xd FoundLandings::vision_rows(const TipMeasurement& look) const {
   // Vision subtracts the found field, so it errs by minus the field's rows at the end point.
-  return -end_point_rows(field_, look.lamps_B) * field_.factor;
+  return -end_point_rows(field_, look.lamps_B).lazyProduct(field_.factor);
 }
 
 ArmLook FoundLandings::arm_look(const SeenLanding& seen) const {
@@ -153,10 +153,10 @@ LandingPrior FoundLandings::prior_of(const Eigen::Matrix4d& covariance, double s
 LandingPrior FoundLandings::at(const Joints& theta_c, const TipMeasurement& look) const {
   // True values differ from the found ones by the factor times numbers of unit variance; the arm
   // misses its command by its rows of that.
-  Eigen::MatrixXd rows(4, found_.factor.cols());
-  rows.topRows<2>() = found_.form.jacobian(motors(theta_c), found_.x).topRows<2>() * found_.factor;
-  rows.bottomRows<2>() = vision_rows(look);
-  return prior_of(rows * rows.transpose(), found_.scatter_m);
+  const Eigen::Matrix2Xd J = found_.form.jacobian(motors(theta_c), found_.x).topRows<2>();
+  Eigen::Matrix4Xd rows(4, found_.factor.cols());
+  rows << J.lazyProduct(found_.factor), vision_rows(look);
+  return prior_of(rows.lazyProduct(rows.transpose()), found_.scatter_m);
 }
 
 void FoundLandings::learn(const SeenLanding& seen) {

@@ -151,6 +151,7 @@ CellModel model_of_cell(const JointPlanner& planner, const Joints& home,
   model.links_m = planner.arm().geometry().link_lengths_m;
   model.coupling = planner.transmission().coupling_matrix();
   model.home = planner.transmission().motors_from_joints(home);
+  model.pulses_per_rad = planner.transmission().pulses_per_rad();
   model.lamps_T = {-half - vision.tool.p_TP, half - vision.tool.p_TP};
   model.axis_B = (X_WC.translation() - axis * (X_WC.translation().z() / axis.z())).head<2>();
   return model;

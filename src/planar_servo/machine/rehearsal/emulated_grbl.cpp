@@ -46,7 +46,8 @@ void PtyPort::plug_in() {
   for (const int end : {inner_, outer_}) fcntl(end, F_SETFD, FD_CLOEXEC);
   std::error_code error;
   if (std::filesystem::is_symlink(name_)) std::filesystem::remove(name_, error);
-  std::filesystem::create_symlink(device.data(), name_, error);
+  device_ = device.data();
+  std::filesystem::create_symlink(device_, name_, error);
   if (!error) return;
   for (int* end : {&inner_, &outer_}) close(std::exchange(*end, -1));
   throw InputError({"no link to the serial port can be made here: " + error.message(),
@@ -56,7 +57,8 @@ void PtyPort::plug_in() {
 void PtyPort::unplug() {
   if (inner_ < 0) return;
   std::error_code ignored;
-  std::filesystem::remove(name_, ignored);
+  if (std::filesystem::read_symlink(name_, ignored) == device_)  // nobody has taken its place
+    std::filesystem::remove(name_, ignored);
   for (int* end : {&inner_, &outer_}) close(std::exchange(*end, -1));
 }
 

@@ -41,7 +41,7 @@ class PtyPort {
   void plug_in();
 
  private:
-  std::filesystem::path name_;
+  std::filesystem::path name_, device_;  ///< the link, and where it leads
   int inner_{-1}, outer_{-1};
 };
 

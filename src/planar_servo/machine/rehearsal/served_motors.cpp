@@ -101,9 +101,12 @@ ShaftPipe::ShaftPipe(fs::path pipe, EmulatedGrbl::OnPosition on_position)
 
 ShaftPipe::~ShaftPipe() {
   reader_.reset();
+  struct stat own {};
+  struct stat there {};
+  if (fstat(descriptor_, &own) == 0 && stat(pipe_.c_str(), &there) == 0 &&
+      own.st_dev == there.st_dev && own.st_ino == there.st_ino)
+    unlink(pipe_.c_str());  // nobody has taken its place
   close(descriptor_);
-  std::error_code ignored;
-  fs::remove(pipe_, ignored);
 }
 
 void ShaftPipe::read() {

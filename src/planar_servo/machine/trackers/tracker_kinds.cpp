@@ -147,7 +147,7 @@ void AskedTracker::await_tool() {
 TrackerAnswer AskedTracker::ask(const std::string& what) {
   const std::string question = fmt::format(
       "{} and press Enter, or type x{}y{}z in {}; s skips, r repeats: ", what,
-      dialect_.csv.separator, dialect_.csv.separator, dialect_.unit == kMillimetre ? "mm" : "m");
+      dialect_.csv.separator, dialect_.csv.separator, name_in(kTrackerUnits, dialect_.unit));
   for (std::string hint;;) {
     const std::string word = person_->ask(hint + question);
     if (word.empty()) return {TrackerStatus::kElsewhere};

@@ -74,18 +74,6 @@ void set_tracker(ArmNominal& nominal, const CellSettings& cell) {
   nominal.registration_turn = sigma / std::sqrt(spread);
 }
 
-/// The monuments are read from about as far as the places are, where readings scatter more.
-void spread_registration(ArmNominal& nominal, const CellSettings& cell,
-                         const std::vector<PoseSample>& samples) {
-  std::vector<double> sigmas;
-  for (const PoseSample& sample : samples)
-    if (sample.reflector_B) sigmas.push_back(sample.sigma_reflector);
-  if (sigmas.empty() || !(cell.tracker.sigma_m > 0.0)) return;
-  const double growth = std::max(1.0, median(sigmas) / cell.tracker.sigma_m);
-  nominal.registration_shift *= growth;
-  nominal.registration_turn *= growth;
-}
-
 BoardLay lay_of(const std::string& id, const std::vector<const LayRow*>& rows) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   BoardLay lay{id, Eigen::Matrix2Xd(2, n), Eigen::Matrix2Xd(2, n), Eigen::VectorXd(n)};
@@ -199,6 +187,17 @@ ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision
   set_tracker(nominal, cell);
   if (!vision.tool.reflector_known) nominal.reflector_sigma = kSomewhereOnTool;
   return nominal;
+}
+
+void spread_registration(ArmNominal& nominal, const CellSettings& cell,
+                         const std::vector<PoseSample>& samples) {
+  std::vector<double> sigmas;
+  for (const PoseSample& sample : samples)
+    if (sample.reflector_B) sigmas.push_back(sample.sigma_reflector);
+  if (sigmas.empty() || !(cell.tracker.sigma_m > 0.0)) return;
+  const double growth = std::max(1.0, median(sigmas) / cell.tracker.sigma_m);
+  nominal.registration_shift *= growth;
+  nominal.registration_turn *= growth;
 }
 
 std::vector<PoseSample> pose_samples(const CellSettings& cell, const std::vector<PairRow>& pairs) {

@@ -19,6 +19,11 @@ namespace planar {
 /// Returns the arm, the camera's place and the tool as the cell and its calibration have them.
 ArmNominal nominal_arm(const CellSettings& cell, const VisionCalibration& vision);
 
+/// Widens the registration of the arm's tracker as readings scatter more than at the tracker
+/// itself: the monuments are read from about as far as the samples' places.
+void spread_registration(ArmNominal& nominal, const CellSettings& cell,
+                         const std::vector<PoseSample>& samples);
+
 /// Returns the poses of pairs.csv from which field and arm are learned: those of plan train or of
 /// none, the sweeps, and the unattended ones. Places of other plans are kept for checks. Times are
 /// counted from the last of all pairs. Throws InputError naming a pair without lamps, joints or

@@ -121,12 +121,25 @@ void list_comparison(ReportList& list, const LampFieldFit& fit) {
             ReportList::Shown::kAlsoInPrint);
 }
 
+/// Returns whether the turn would count from the cell file's zero, without a deviation, were it not
+/// for this source.
+bool alone_fixes_turn(const LampFieldFit& fit, const SourceWorth& source) {
+  const auto fixes = [](const SourceWorth& any) {
+    return any.name == name_in(kFieldSources, FieldSource::kTracker) ||
+           any.name == name_in(kFieldSources, FieldSource::kMarks);
+  };
+  return fixes(source) && fit.fixed_by.turn != FieldSource::kNothing &&
+         std::count_if(fit.sources.begin(), fit.sources.end(), fixes) == 1;
+}
+
 /// Says what each source added and what fixed the field as a whole.
 void list_sources(ReportList& list, const LampFieldFit& fit) {
-  list.rows("sources", fit.sources, [](ReportList& row, const SourceWorth& source) {
+  list.rows("sources", fit.sources, [&](ReportList& row, const SourceWorth& source) {
     row.line("source", "{source}", source.name);
     row.line("how much", "{amount}", source.amount);
-    row.line("end point known without it to", "{end_point_without_mm:.4f} mm",
+    row.line("end point known without it to",
+             alone_fixes_turn(fit, source) ? "{end_point_without_mm:.4f} mm but for the turn"
+                                           : "{end_point_without_mm:.4f} mm",
              source.end_point_without);
   });
   list.row("sources",

@@ -22,6 +22,7 @@
 #include "planar_servo/learn/field/lamp_field.h"
 #include "planar_servo/offline/map/learn_lamp_field.h"
 #include "planar_servo/offline/plan/experiment_plan.h"
+#include "planar_servo/offline/plan/predicted_positioning.h"
 
 namespace planar {
 namespace {
@@ -91,10 +92,13 @@ struct KnownCell {
   JointPlanner planner;
   ArmNominal nominal;
   std::optional<VisionCalibration> vision;
+  double sigma_reading{0.0};  ///< of a planned one: as those before have it, or at the tracker
 };
 
-KnownCell known(const CellSettings& cell) {
-  KnownCell known{cell, joint_planner(cell), {}, std::nullopt};
+KnownCell known(const CellSettings& cell, const std::vector<PairRow>& pairs) {
+  KnownCell known{
+      cell, joint_planner(cell), {}, std::nullopt, median_of(pairs, &PairRow::sigma_tracker)};
+  if (!(known.sigma_reading > 0.0)) known.sigma_reading = cell.tracker.sigma_m;
   if (missing_files(calibration_files(cell, false)).empty()) {
     known.vision = read_vision(cell, false);
     known.nominal = nominal_arm(cell, *known.vision);
@@ -119,7 +123,7 @@ PoseSample pose_at(const KnownCell& known, const Joints& theta) {
   const ToolPoints points = model.at({pose.motors, 0.0}, model.nominal());
   pose.lamps_B = {points.points.col(1), points.points.col(2)};
   pose.sigma_lamp = kLampSigma_m;
-  pose.sigma_reflector = known.cell.tracker.sigma_m;
+  pose.sigma_reflector = known.sigma_reading;
   return pose;
 }
 
@@ -143,9 +147,13 @@ Candidates candidates_of(const KnownCell& known) {
 
 /// Returns what is known before or after readings: by the pairs, or by the first rows of a plan.
 JointEstimate estimate_of(const KnownCell& known, const std::vector<PairRow>& pairs) {
-  if (!pairs.empty()) return estimate_jointly(known.nominal, pose_samples(known.cell, pairs));
   JointEstimate estimate;
   estimate.nominal = known.nominal;
+  if (!pairs.empty()) {
+    const std::vector<PoseSample> samples = pose_samples(known.cell, pairs);
+    spread_registration(estimate.nominal, known.cell, samples);
+    return estimate_jointly(estimate.nominal, samples);
+  }
   auto fit = fit_jointly(estimate.model(), {}, {}, known.cell.workspace.radius_max_m);
   if (!fit)
     throw WorkError("the equations of field and arm cannot be solved for this cell",
@@ -332,7 +340,7 @@ bool ProposedPlan::worth_reading() const {
 
 ProposedPlan propose_plan(const CellSettings& cell, const PlanRequest& request,
                           const std::vector<PairRow>& pairs) {
-  const KnownCell known_cell = known(cell);
+  const KnownCell known_cell = known(cell, pairs);
   ProposedPlan plan;
   plan.readings = request.readings;
   int places = request.readings;

@@ -192,6 +192,12 @@ BegunRecording begun_recording(const RecordRequest& request, const std::vector<J
   }
   const fs::path table = request.recording / "tracker.csv";
   if (!holds_no_row(table, tracker_header())) take_readings(request, read_tracker(table), begun);
+  if (begun.dropped.size() > 1)
+    throw InputError({fmt::format("has readings of {} places without frames in frames.csv, where a "
+                                  "kill leaves one: {}",
+                                  begun.dropped.size(), fmt::join(begun.dropped, ", ")),
+                      "put the whole frames.csv back, or delete these rows to take them again",
+                      table, Cause::kMissing});
   if (is_new) return begun;
   Faults faults;
   add_sensor(request, frames.front(), faults);

@@ -26,7 +26,7 @@ void require_tracker(const RecordRequest& request);
 struct BegunRecording {
   std::set<std::string> ids;
   std::vector<TrackerRow> readings;  ///< of monuments and of places with frames
-  std::set<std::string> dropped;     ///< the places of others
+  std::set<std::string> dropped;     ///< the place of others
   /// The first monuments are there; one that was broken off among them reads them again.
   bool has_monuments{false};
   /// Readings of the cell's monuments before the first reading of a place.
@@ -42,7 +42,8 @@ struct BegunRecording {
 /// Returns what a recording holds. `joints` are those of the plan. Throws InputError when it was
 /// begun with another plan or another cell: a row of the plan was recorded for something else or
 /// elsewhere, its pulses are not those of this cell's drives, its images are not of this cell's
-/// sensor, or more monuments of the cell were not read than may be skipped.
+/// sensor, or more monuments of the cell were not read than may be skipped. Throws InputError, too,
+/// when the readings of several places lack their frames.
 BegunRecording begun_recording(const RecordRequest& request, const std::vector<Joints>& joints);
 
 /// Throws InputError when rows that are yet to be recorded ask for views of a board that a person

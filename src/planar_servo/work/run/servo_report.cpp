@@ -6,14 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "planar_servo/base/core/text.h"
 #include "planar_servo/base/core/units.h"
 #include "planar_servo/base/devices/tracker.h"
 #include "planar_servo/base/io/atomic_file.h"
 #include "planar_servo/base/io/columns.h"
+#include "planar_servo/files/provenance.h"
 #include "planar_servo/report/html_page.h"
 #include "planar_servo/report/places.h"
+#include "planar_servo/work/run/run_files.h"
 
 namespace planar {
 
@@ -206,7 +209,7 @@ std::string run_text(const ServoRequest& request, const ServoRun& run, const Ser
   yaml.map("figures", [&] {
     const ReportList list = servo_list(figures);
     for (const auto& [key, value] : list.json().items())
-      if (value.is_number_float()) yaml.add(key, value.get<double>());
+      if (value.is_number()) yaml.add(key, value.get<double>());
   });
   return yaml.text();
 }
@@ -381,14 +384,12 @@ std::vector<Refusal> run_faults(const ServoFigures& figures, const std::string& 
 
 void add_used(YamlWriter& yaml, const ServoRequest& request, const ReadyCell& cell,
               const std::filesystem::path& wanted) {
-  const CellSettings& settings = cell.settings();
-  std::vector<std::filesystem::path> inputs{settings.file, settings.camera_model,
-                                            settings.workplane, settings.tool};
-  if (!wanted.empty()) inputs.push_back(wanted);
-  if (request.works) inputs.push_back(request.works->file);
-  if (uses_error_map(*request.cell)) inputs.push_back(settings.error_map);
-  if (settings.arm_found) inputs.push_back(*settings.arm_found);
-  yaml.add_inputs(input_records(inputs));
+  std::vector<std::filesystem::path> files{cell.settings().file};
+  if (!wanted.empty()) files.push_back(wanted);
+  if (request.works) files.push_back(request.works->file);
+  std::vector<InputRecord> inputs = input_records(files);
+  for (InputRecord& made : input_records(run_origins(request))) inputs.push_back(std::move(made));
+  yaml.add_inputs(inputs);
   yaml.add("error_map_used", uses_error_map(*request.cell));
   if (!cell.accepted_stale().empty()) yaml.add("accepted_stale", cell.accepted_stale());
   if (cell.accepted_map()) yaml.add("accepted_map", *cell.accepted_map());

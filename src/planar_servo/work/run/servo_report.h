@@ -86,9 +86,9 @@ std::vector<Refusal> run_faults(const ServoFigures& figures, const std::string& 
 QuiverPanel error_panel(const std::string& what, const std::vector<TargetResult>& results,
                         TargetError error);
 
-/// Adds what a run used to its run.yaml: the files of its cell, its works, and what it moves to or
-/// along, if that is a file, with their hashes, what was accepted of them, and the settings of its
-/// camera.
+/// Adds what a run used to its run.yaml: the files of its cell, all its tools, its works, and what
+/// it moves to or along, if that is a file, with their hashes, what was accepted of them, and the
+/// settings of its camera.
 void add_used(YamlWriter& yaml, const ServoRequest& request, const ReadyCell& cell,
               const std::filesystem::path& wanted);
 
