@@ -159,7 +159,7 @@ bool read_outline(Fields& fields, Barrier& barrier) {
            fields.check(
                is_simple_polygon(corners),
                {fmt::format("polygon_mm has {} corners that bound no area", corners.size()),
-                "three or more are needed, in the order of the edge, which must not meet itself"},
+                "three or more are needed, in the order of the edge, which must not cross itself"},
                "polygon_mm");
   corners.assign(1, Eigen::Vector2d::Zero());
   const bool x = fields.number("x_mm", corners[0].x(), kMillimetre);

@@ -29,14 +29,8 @@ constexpr char kSweepAgain[] =
 constexpr char kHome[] = "home the drive with planar-jog";
 constexpr char kTighten[] = "look at the gear, its coupling and the bolts of the joint";
 constexpr char kDrives[] = "correct `drives` in the cell file, then record and calibrate again";
-constexpr char kExchange12[] =
-    "exchange `serial`, `address`, or `axis` (and LinuxCNC's `joint`) of drives[0] and drives[1] "
-    "in the cell file, with a motion program the order of its counts";
-constexpr char kExchange13[] =
-    "exchange `serial`, `address`, or `axis` (and LinuxCNC's `joint`) of drives[0] and drives[2] "
-    "in the cell file, with a motion program the order of its counts";
-constexpr char kExchange23[] =
-    "exchange `serial`, `address`, or `axis` (and LinuxCNC's `joint`) of drives[1] and drives[2] "
+constexpr char kExchange[] =
+    "exchange `serial`, `address`, or `axis` (and LinuxCNC's `joint`) of these two under `drives` "
     "in the cell file, with a motion program the order of its counts";
 constexpr char kUneven[] =
     "look for an eccentric reducer, coupling or pulley; if none is, correct `drives` in the cell "
@@ -62,9 +56,9 @@ constexpr Advice kAdvice[] = {
     {HealthCause::kDirection1, "the direction of joint 1 is reversed", kDrives},
     {HealthCause::kDirection2, "the direction of joint 2 is reversed", kDrives},
     {HealthCause::kDirection3, "the direction of joint 3 is reversed", kDrives},
-    {HealthCause::kExchanged12, "the drives of joints 1 and 2 are exchanged", kExchange12},
-    {HealthCause::kExchanged13, "the drives of joints 1 and 3 are exchanged", kExchange13},
-    {HealthCause::kExchanged23, "the drives of joints 2 and 3 are exchanged", kExchange23},
+    {HealthCause::kExchanged12, "the drives of joints 1 and 2 are exchanged", kExchange},
+    {HealthCause::kExchanged13, "the drives of joints 1 and 3 are exchanged", kExchange},
+    {HealthCause::kExchanged23, "the drives of joints 2 and 3 are exchanged", kExchange},
     {HealthCause::kGear1, "the gear ratio of joint 1 is wrong", kDrives},
     {HealthCause::kGear2, "the gear ratio of joint 2 is wrong", kDrives},
     {HealthCause::kGear3, "the gear ratio of joint 3 is wrong", kDrives},
