@@ -37,7 +37,7 @@ void add_options(CLI::App& app, Options& options) {
   add_value(app, "--token-file", options.listening.token_file, "FILE",
             "operate by the token in the first line of this file, which stays the same over "
             "restarts; only its owner may read it");
-  add_value(app, "--tls-cert,--certificate", options.listening.certificate, "FILE.pem",
+  add_value(app, "--tls-cert", options.listening.certificate, "FILE.pem",
             "serve by https with this certificate");
   add_value(app, "--origin", options.listening.origins, "ORIGIN",
             "address at which a proxy or tunnel shows the page, such as "
@@ -47,7 +47,7 @@ void add_options(CLI::App& app, Options& options) {
                    ? ""
                    : "'" + origin + "' is not SCHEME://HOST[:PORT] without a path";
       });
-  add_value(app, "--tls-key,--key", options.listening.key, "FILE.pem", "the certificate's key");
+  add_value(app, "--tls-key", options.listening.key, "FILE.pem", "the certificate's key");
 }
 
 /// Returns where --listen and --port say that the page is served.
