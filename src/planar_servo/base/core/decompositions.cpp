@@ -29,6 +29,7 @@ std::optional<Eigen::MatrixXd> solve_positive(Eigen::MatrixXd A, Eigen::MatrixXd
   return B;
 }
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): B is written.
 void solve_positive_in_place(Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::MatrixXd> B) {
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(A).solveInPlace(B);
 }
