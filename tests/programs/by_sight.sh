@@ -31,6 +31,7 @@ stood = [float(angle) for angle in sys.argv[1].split(",")]
 for seen, stands in zip(joints, (stood[0], stood[1] + two, stood[2] + two + three)):
     assert abs((float(seen) - stands + 180) % 360 - 180) < 1, (joints, stood, two, three)
 END
+  ! grep "no room" err.txt || fail "at $theta the play was not taken up"
   # From the other elbow the way to the target leads through the stretched arm, which the workspace forbids.
   [ $status -eq 0 ] || [ "$n" -eq 4 ] || fail "from $theta the target was not reached: $(cat err.txt out.txt)"
 done

@@ -220,15 +220,16 @@ std::string turns_text(const CalibratedCell& cell, const Joints& theta) {
 }
 
 /// Takes up the play of the gears as every approach does, so that the arm stands as it did where it
-/// was found.
-void take_up_play(const CalibratedCell& cell, PlanarRobot& robot, const LampTipSensor& sensor) {
-  const Joints theta = robot.commanded_joints();
-  const ApproachWay way = approach_way(cell.planner, cell.settings.servo, theta, theta);
+/// was found. The motors stand as the posture says.
+void take_up_play(const PostureCandidate& posture, const ServoSettings& settings,
+                  PlanarRobot& robot, const LampTipSensor& sensor) {
+  robot.set_joints(posture.theta);
+  const ApproachWay way = approach_way(posture.planner, settings, posture.theta, posture.theta);
   if (way.refusal || way.barred)
     return spdlog::warn("homing by sight: no room to take up the gears' play here");
   if (const auto objection = arrive_by(way, robot, [&] { return sensor.fault(); }))
     throw WorkError(objection->reason, Cause::kDevice);
-  robot.wait_for_s(cell.settings.servo.settle_s);
+  robot.wait_for_s(settings.settle_s);
 }
 
 /// Returns the joints at which the arm is seen, by the arm as it was found where it was.
@@ -260,8 +261,7 @@ void home_by_sight(const CalibratedCell& cell, PlanarRobot& robot, LampTipSensor
            "if these are the turns on which the motors stand, start with --nearest-turn (by hand: "
            "home nearest-turn)",
            "", Cause::kInsufficient});
-    robot.set_joints(posture.theta);
-    take_up_play(cell, robot, sensor);
+    take_up_play(posture, cell.settings.servo, robot, sensor);
     const Joints theta = joints_seen(cell, posture, sensor);
     robot.set_joints(theta);
     spdlog::info("homed by sight: joints {} deg", fixed(theta / kDegree, 3, " "));
