@@ -273,20 +273,34 @@ std::optional<std::pair<Part, bool>> middle_part(const Crop& crop, FiducialKind 
   return std::nullopt;
 }
 
-/// Fills what a ring encloses with the ring's own level, so that its outer rim is that of a disc.
-void fill_ring(cv::Mat& image, const Part& part) {
-  cv::Mat inside(image.size(), CV_8U, cv::Scalar(0));
-  cv::drawContours(inside, std::vector<Contour>{part.outline}, 0, cv::Scalar(255), cv::FILLED);
-  const double ring_px =
-      0.5 * std::sqrt(4.0 / kPi) * (std::sqrt(part.area_px2) - std::sqrt(part.holes_px2));
-  cv::Mat distance;
-  cv::distanceTransform(inside, distance, cv::DIST_L2, 3);
+/// Returns how far the pixels within a part's outline, or outside it, are from it; 0 on the other
+/// side.
+cv::Mat1f distances(const cv::Size& size, const Part& part, bool within) {
+  cv::Mat side(size, CV_8U, cv::Scalar(within ? 0 : 255));
+  cv::drawContours(side, std::vector<Contour>{part.outline}, 0, cv::Scalar(within ? 255 : 0),
+                   cv::FILLED);
+  cv::Mat1f distance;
+  cv::distanceTransform(side, distance, cv::DIST_L2, 3);
+  return distance;
+}
+
+/// Returns the median level of the pixels between two distances.
+int median_between(const cv::Mat& image, const cv::Mat1f& distance, double from, double to) {
   LevelHistogram levels;
   for (int row = 0; row < image.rows; ++row)
     for (int column = 0; column < image.cols; ++column)
-      if (std::abs(distance.at<float>(row, column) - 0.5 * ring_px) < 1.0)
+      if (const float px = distance(row, column); px > from && px < to)
         levels.add(image.at<std::uint8_t>(row, column));
-  image.setTo(levels.median(), distance > 0.5 * ring_px);
+  return levels.median();
+}
+
+/// Fills what a ring encloses with the ring's own level, so that its outer rim is that of a disc.
+void fill_ring(cv::Mat& image, const Part& part) {
+  const double middle_px =
+      0.25 * std::sqrt(4.0 / kPi) * (std::sqrt(part.area_px2) - std::sqrt(part.holes_px2));
+  const cv::Mat1f distance = distances(image.size(), part, true);
+  image.setTo(median_between(image, distance, middle_px - 1.0, middle_px + 1.0),
+              distance > middle_px);
 }
 
 int otsu_level(const cv::Mat& image) {
@@ -300,17 +314,11 @@ int otsu_level(const cv::Mat& image) {
 /// than what is around it ends near the part, all beyond gets the level of the plate.
 int level_against_surroundings(cv::Mat& image, const Part& part) {
   const int level = otsu_level(image);
-  cv::Mat outside(image.size(), CV_8U, cv::Scalar(255)), distance;
-  cv::drawContours(outside, std::vector<Contour>{part.outline}, 0, cv::Scalar(0), cv::FILLED);
-  cv::distanceTransform(outside, distance, cv::DIST_L2, 3);
+  const cv::Mat1f distance = distances(image.size(), part, false);
   const double near_px = std::max(3.0, 0.06 * part.extent_px), far_px = 2.0 * near_px;
-  LevelHistogram around;
-  for (int row = 0; row < image.rows; ++row)
-    for (int column = 0; column < image.cols; ++column)
-      if (const float px = distance.at<float>(row, column); px > near_px && px < far_px)
-        around.add(image.at<std::uint8_t>(row, column));
-  if (around.median() < level) return level;
-  image.setTo(around.median(), distance > far_px);
+  const int around = median_between(image, distance, near_px, far_px);
+  if (around < level) return level;
+  image.setTo(around, distance > far_px);
   return otsu_level(image);
 }
 

@@ -44,9 +44,9 @@ LensError lens_error(const LampField& field, const Points& seen_B) {
 }
 
 /// A map at the end point does not tell the lens from the lamps: nothing is taken off. All of its
-/// error may be the lens's, or what is left of one that the lamps hide: halos that the camera sees
-/// obliquely shift lamps along the ray, which looks like a shift and a scale. As large as the map's
-/// error at the rim of its region are both.
+/// error may be the lens's. Beyond that the lamps may hide an error of the lens: the camera sees
+/// their halos obliquely, which shifts them along the ray, as a shift and a scale of the picture
+/// would. Each of these may be as large as the map's error at the rim of its region.
 LensError lens_error(const ErrorMap& map, const Points& seen_B) {
   const std::vector<Eigen::Vector2d>& rim = valid_region(map).hull;
   const double corners = static_cast<double>(rim.size());
